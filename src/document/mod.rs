@@ -1,0 +1,7 @@
+//! The document: a source, the user's edits with their history, and what follows from them.
+
+mod edits;
+mod solved;
+
+pub use edits::{ClipEdits, Cycling, Edits, HeadingEdits, OriginalEdits, PathEdits, ResidualEdits, TimingEdits};
+pub use solved::{Solved, Source};

@@ -1,0 +1,2 @@
+//! walkabout.
+fn main() {}

@@ -1,0 +1,107 @@
+//! What glam and the linear algebra library lack: rigid motions, angles about up.
+//!
+//! World space is y-up and right-handed; a heading of 0 looks along +Z and grows towards +X.
+
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// A rotation followed by a translation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rigid {
+    /// Unit quaternion.
+    pub rotation: DQuat,
+    /// Applied after the rotation.
+    pub translation: DVec3,
+}
+
+impl Rigid {
+    /// Changes nothing.
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
+
+    /// Makes a rigid motion.
+    pub const fn new(rotation: DQuat, translation: DVec3) -> Self {
+        Self { rotation, translation }
+    }
+
+    /// Maps a point.
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.rotation * p + self.translation
+    }
+
+    /// Returns the motion that undoes this one.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.conjugate();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+}
+
+impl std::ops::Mul for Rigid {
+    type Output = Self;
+
+    /// `a * b` applies `b` first.
+    fn mul(self, b: Self) -> Self {
+        Self { rotation: self.rotation * b.rotation, translation: self.point(b.translation) }
+    }
+}
+
+/// Returns the heading of a direction, radians in (−π, π]; none where it has no horizontal part.
+pub fn heading_rad(direction: DVec3) -> Option<f64> {
+    let flat = direction.x.hypot(direction.z);
+    (flat > 0.0 && flat.is_finite()).then(|| direction.x.atan2(direction.z))
+}
+
+/// Returns the rotation about up that turns +Z to this heading.
+pub fn heading_rotation(heading_rad: f64) -> DQuat {
+    DQuat::from_rotation_y(heading_rad)
+}
+
+/// Returns the twist of a rotation about up, radians in (−π, π] (swing and twist); 0 where the twist is undefined.
+pub fn twist_rad(rotation: DQuat) -> f64 {
+    if rotation.y == 0.0 && rotation.w == 0.0 { 0.0 } else { wrap_rad(2.0 * rotation.y.atan2(rotation.w)) }
+}
+
+/// Brings an angle into (−π, π].
+pub fn wrap_rad(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let wrapped = (angle + PI).rem_euclid(TAU) - PI;
+    if wrapped <= -PI { wrapped + TAU } else { wrapped }
+}
+
+/// Adds whole turns so that each angle is within half a turn of the one before it.
+pub fn unwrap_rad(angles: &mut [f64]) {
+    for i in 1..angles.len() {
+        angles[i] = angles[i - 1] + wrap_rad(angles[i] - angles[i - 1]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rigid_motion_and_its_inverse_cancel() {
+        let a = Rigid::new(DQuat::from_rotation_x(0.7) * DQuat::from_rotation_y(-2.0), DVec3::new(1.0, -2.0, 3.0));
+        let p = DVec3::new(0.3, 0.2, 0.1);
+        assert!((a.inverse() * a).point(p).abs_diff_eq(p, 1e-14));
+    }
+
+    #[test]
+    fn heading_and_its_rotation_agree() {
+        for heading in [-3.0, -1.0, 0.0, 0.5, 3.1] {
+            let direction = heading_rotation(heading) * DVec3::Z;
+            assert!((heading_rad(direction).expect("horizontal") - heading).abs() < 1e-14);
+            assert!((twist_rad(heading_rotation(heading)) - heading).abs() < 1e-14);
+        }
+        assert_eq!(heading_rad(DVec3::Y), None);
+        assert_eq!(twist_rad(DQuat::from_rotation_x(std::f64::consts::PI)).abs(), 0.0);
+    }
+
+    #[test]
+    fn unwrapping_removes_whole_turns() {
+        let mut angles = [3.0, -3.0, 3.0, 0.1];
+        unwrap_rad(&mut angles);
+        for pair in angles.windows(2) {
+            assert!((pair[1] - pair[0]).abs() <= std::f64::consts::PI);
+        }
+    }
+}
