@@ -1,1 +1,3 @@
-//! To be written.
+//! The running editor: its threads and its preview process.
+
+pub mod preview;
