@@ -6,16 +6,19 @@
 mod channels;
 mod clip;
 mod edited;
+mod euler;
 mod facts;
 mod from_bvh;
 mod kinematics;
 mod lanes;
 mod options;
 mod poses;
+mod to_bvh;
 mod tracks;
 
 pub use clip::{CarrierRelative, Clip, carrier_relative};
 pub use edited::EditedClip;
 pub use facts::{Decided, Facts};
 pub use options::{ClipOptions, OffsetMeaning, UpAxis};
+pub use to_bvh::to_bvh;
 pub use tracks::PointTracks;
