@@ -31,6 +31,22 @@ pub(super) struct JointChannels {
 }
 
 impl JointChannels {
+    /// Finds the channels of a joint whose first one is in column `first`; of two for one position axis the last counts.
+    pub(super) fn new(channels: &[Channel], first: usize) -> Self {
+        let mut found = Self { rotations: Vec::new(), positions: [None; 3] };
+        for (column, channel) in (first..).zip(channels) {
+            match channel {
+                Channel::Xposition => found.positions[0] = Some(column),
+                Channel::Yposition => found.positions[1] = Some(column),
+                Channel::Zposition => found.positions[2] = Some(column),
+                Channel::Xrotation => found.rotations.push((0, column)),
+                Channel::Yrotation => found.rotations.push((1, column)),
+                Channel::Zrotation => found.rotations.push((2, column)),
+            }
+        }
+        found
+    }
+
     /// Tells whether there are three position channels and one rotation channel about each axis.
     pub(super) fn moves_freely(&self) -> bool {
         let mut axes: Vec<usize> = self.rotations.iter().map(|&(axis, _)| axis).collect();
@@ -63,7 +79,7 @@ pub(super) struct FileMotion<'a> {
 impl<'a> FileMotion<'a> {
     /// Reads the file's numbers; those that are none are replaced, with a warning.
     pub(super) fn new(bvh: &'a Bvh, warnings: &mut Vec<String>) -> Self {
-        let channels = bvh.joints().iter().map(|j| joint_channels(&j.channels, j.first_channel)).collect();
+        let channels = bvh.joints().iter().map(|j| JointChannels::new(&j.channels, j.first_channel)).collect();
         let skeleton = skeleton(bvh, warnings);
         let values = finite(bvh.values(), bvh.n_channels(), warnings);
         Self { skeleton, channels, n_frames: bvh.n_frames(), n_channels: bvh.n_channels(), values }
@@ -155,21 +171,6 @@ fn local_rotation(channels: &[(usize, usize)], rows: [&[f64]; LANES]) -> QuatLan
         [(axis, column), rest @ ..] => (rest.iter())
             .fold(QuatLanes::about(*axis, half(*column)), |q, &(axis, column)| q.turned(axis, half(column))),
     }
-}
-
-fn joint_channels(channels: &[Channel], first: usize) -> JointChannels {
-    let mut found = JointChannels { rotations: Vec::new(), positions: [None; 3] };
-    for (column, channel) in (first..).zip(channels) {
-        match channel {
-            Channel::Xposition => found.positions[0] = Some(column),
-            Channel::Yposition => found.positions[1] = Some(column),
-            Channel::Zposition => found.positions[2] = Some(column),
-            Channel::Xrotation => found.rotations.push((0, column)),
-            Channel::Yrotation => found.rotations.push((1, column)),
-            Channel::Zrotation => found.rotations.push((2, column)),
-        }
-    }
-    found
 }
 
 fn skeleton(bvh: &Bvh, warnings: &mut Vec<String>) -> Skeleton {

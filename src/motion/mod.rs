@@ -6,6 +6,7 @@
 mod channels;
 mod clip;
 mod edited;
+mod euler;
 mod facts;
 mod from_bvh;
 mod kinematics;
@@ -13,6 +14,7 @@ mod lanes;
 pub mod legs;
 mod options;
 mod poses;
+mod to_bvh;
 mod tracks;
 
 pub use clip::{CarrierRelative, Clip, carrier_relative};
@@ -20,4 +22,5 @@ pub use edited::EditedClip;
 pub use facts::{Decided, Facts};
 pub use legs::{Leg, LegNames, Side, find_legs};
 pub use options::{ClipOptions, OffsetMeaning, UpAxis};
+pub use to_bvh::to_bvh;
 pub use tracks::PointTracks;

@@ -1,5 +1,7 @@
 //! Body height, the floor under it, and the unit of length a human of that height suggests.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 
 use super::Decided;
@@ -83,11 +85,13 @@ const UNITS: [(&str, f64); 6] =
     [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("inch", 0.0254), ("CMU 5.6444 cm", 0.056444)];
 
 /// Guesses the unit in which a body this high is a human one.
+///
+/// `H` is less than a person's stature: it ends at the last joint of the head and follows bent knees and backs.
 pub(super) fn unit(height: f64) -> Decided<Option<&'static str>> {
-    /// Typical height of the joints of a walking adult, metres.
-    const USUAL: f64 = 1.65;
+    /// Usual `H` of an adult, metres; captured clips in known units lie between 1.1 and 1.8.
+    const USUAL: f64 = 1.5;
     /// Heights taken for human, metres.
-    const HUMAN: std::ops::RangeInclusive<f64> = 1.3..=2.1;
+    const HUMAN: RangeInclusive<f64> = 1.05..=2.1;
     let surprise = |metres: f64| (metres * height / USUAL).ln().abs();
     let nearest = UNITS.into_iter().min_by(|a, b| surprise(a.1).total_cmp(&surprise(b.1)));
     let (name, metres) = nearest.expect("there are units");
