@@ -1,12 +1,16 @@
 //! `Source` and `Solved`: what goes into the solve and what comes out.
 
-use std::sync::Arc;
+use std::{path::PathBuf, sync::Arc};
+
+use glam::DVec3;
 
 use super::Edits;
 use crate::{
     bvh::Bvh,
-    motion::{Clip, EditedClip},
-    path::{NewPath, OriginalPath},
+    math::Rigid,
+    measure::{Body, Measures},
+    motion::{Clip, EditedClip, to_bvh},
+    path::{NewPath, OriginalPath, Residuals, Timing},
 };
 
 /// A clip as loaded; never changes.
@@ -14,11 +18,15 @@ use crate::{
 pub struct Source {
     /// Name to show, usually the file's.
     pub name: String,
+    /// The file it was read from; none for the built-in clip.
+    pub file: Option<PathBuf>,
     /// The file as it is.
     pub bvh: Bvh,
 }
 
 /// Everything that follows from a source and edits; stages that did not change are shared with the previous solve.
+///
+/// Positions are y-up world, the clip's unit, unless a method says otherwise. Frames do not count rest frames.
 #[derive(Clone, Debug)]
 pub struct Solved {
     /// The source.
@@ -27,12 +35,107 @@ pub struct Solved {
     pub edits: Arc<Edits>,
     /// The source as a clip.
     pub clip: Arc<Clip>,
-    /// Original path, its frames, residuals and arc length.
+    /// World motion of the clip's carrier at each frame.
+    pub carrier_track: Arc<Vec<Rigid>>,
+    /// The clip's body, ready to be measured anywhere.
+    pub body: Arc<Body>,
+    /// The path fitted to the clip.
     pub original: Arc<OriginalPath>,
-    /// The new path.
+    /// What that path leaves over.
+    pub residuals: Arc<Residuals>,
+    /// Arc length of each frame on the original path, by the integrator in use.
+    pub progress: Arc<Vec<f64>>,
+    /// The new path; also while the path edit is off.
     pub new_path: Arc<NewPath>,
+    /// Where each edited frame stands.
+    pub timing: Arc<Timing>,
     /// The edited clip.
     pub edited: Arc<EditedClip>,
+    /// Quality numbers.
+    pub measures: Arc<Measures>,
     /// What could not be done as wished, one line each; also the clip's own warnings.
     pub warnings: Vec<String>,
+}
+
+impl Solved {
+    /// Tells whether the clip walks the new path: asked for, and possible.
+    pub fn walks_new_path(&self) -> bool {
+        self.edits.path.edited && self.clip.facts.path_editable
+    }
+
+    /// Returns the new path's control points, the clip's axes.
+    pub fn control_points(&self) -> Vec<DVec3> {
+        let up = self.clip.facts.up.value;
+        self.new_path.spline().control_points().iter().map(|&p| up.to_file(p)).collect()
+    }
+
+    /// Returns the root mean square of what the original path leaves over, the clip's axes and unit.
+    pub fn residual_rms(&self) -> DVec3 {
+        self.clip.facts.up.value.to_file(self.original.deviation_rms()).abs()
+    }
+
+    /// Returns what the original path leaves over at each frame, the clip's axes; in world axes it is
+    /// [`OriginalPath::deviations`].
+    pub fn residual_series(&self) -> Vec<DVec3> {
+        let up = self.clip.facts.up.value;
+        self.original.deviations().iter().map(|&d| up.to_file(d)).collect()
+    }
+
+    /// Returns `n` points along the original path, evenly in arc length.
+    pub fn original_polyline(&self, n: usize) -> Vec<DVec3> {
+        self.original.polyline(n)
+    }
+
+    /// Returns `n` points along the new path, evenly in arc length.
+    pub fn new_path_polyline(&self, n: usize) -> Vec<DVec3> {
+        self.new_path.polyline(n)
+    }
+
+    /// Returns the clip's frame that an edited frame shows.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such edited frame, as everywhere below.
+    pub fn source_frame(&self, edited_frame: usize) -> usize {
+        self.timing.source_frames[edited_frame] as usize
+    }
+
+    /// Returns the first edited frame that shows a frame of the clip; none where the clip ends before it.
+    pub fn edited_frame(&self, source_frame: usize) -> Option<usize> {
+        // The first cycle begins at the clip's first frame and leaves none out.
+        (source_frame < self.edited.n_frames().min(self.clip.n_frames())).then_some(source_frame)
+    }
+
+    /// Returns where the carrier is at an edited frame.
+    pub fn carrier(&self, edited_frame: usize) -> Rigid {
+        match self.edited.carrier_world.get(edited_frame) {
+            Some(&carrier) => carrier,
+            None => self.carrier_track[self.source_frame(edited_frame)],
+        }
+    }
+
+    /// Returns the original path's frame at an edited frame, as the pose of a block that tracks the path.
+    pub fn original_frame(&self, edited_frame: usize) -> Rigid {
+        self.original.frames()[self.source_frame(edited_frame)].rigid(self.residuals.frame)
+    }
+
+    /// Returns the frame of the path walked at an edited frame, as the pose of a block that tracks the path.
+    pub fn new_frame(&self, edited_frame: usize) -> Rigid {
+        self.timing.frames[edited_frame].rigid(self.residuals.frame)
+    }
+
+    /// Returns the arc length along the path walked at which the edited clip ends.
+    pub fn end_arc_length(&self) -> f64 {
+        self.timing.arc_lengths[self.timing.n_frames() - 1]
+    }
+
+    /// Returns the number of frames an export has: rest frames, then edited frames; 0 for a file without frames.
+    pub fn n_exported_frames(&self) -> usize {
+        if self.source.bvh.n_frames() == 0 { 0 } else { self.clip.rest_frames() + self.edited.n_frames() }
+    }
+
+    /// Returns the edited clip as a BVH file.
+    pub fn to_bvh(&self) -> Vec<u8> {
+        to_bvh(&self.source.bvh, &self.edited)
+    }
 }

@@ -16,7 +16,7 @@ pub use frame::{PathFrame, Residuals};
 pub use heading::Headings;
 pub use new_path::NewPath;
 pub use original::{MAX_DEGREE, OriginalPath, degree_cap};
-pub use shapes::{Shape, ShapeError, ShapeKind, shape_points, straight_line};
+pub use shapes::{MAX_POINTS, Shape, ShapeError, ShapeKind, shape_points, straight_line};
 pub use timing::{Cycling, Timing, TimingOptions};
 
 /// Degree of the original path's polynomials.

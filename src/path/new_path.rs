@@ -17,6 +17,7 @@ pub struct NewPath {
     spline: BSpline,
     arc: ArcLength,
     headings: Headings,
+    window: f64,
     fallback_rad: f64,
 }
 
@@ -30,12 +31,22 @@ impl NewPath {
         let mut cursor = Cursor::default();
         let headings =
             Headings::along(arc.length(), window, fallback_rad, |s| spline.point(arc.parameter_near(s, &mut cursor)));
-        Self { spline, arc, headings, fallback_rad }
+        Self { spline, arc, headings, window, fallback_rad }
     }
 
     /// Returns the curve.
     pub fn spline(&self) -> &BSpline {
         &self.spline
+    }
+
+    /// Returns the heading window it was made with, the clip's unit.
+    pub fn window(&self) -> f64 {
+        self.window
+    }
+
+    /// Returns the heading it has where it has none.
+    pub fn fallback_rad(&self) -> f64 {
+        self.fallback_rad
     }
 
     /// Returns the arc length of the whole path, the clip's unit.

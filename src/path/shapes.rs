@@ -18,8 +18,8 @@ use crate::{
 const SHORTEST_NET: f64 = 0.1;
 /// Largest distance of the shape `original` from the original path, in body heights, if enough points can reach it.
 const ORIGINAL_ACCURACY: f64 = 0.02;
-/// No shape takes more control points than this of its own accord.
-const MAX_POINTS: usize = 64;
+/// Most control points a path has: of a straight line, and of a shape that takes more than it was given.
+pub const MAX_POINTS: usize = 64;
 /// Samples that a shape is fitted to.
 const N_SAMPLES: usize = 1024;
 /// Legs of a zig-zag.

@@ -46,6 +46,8 @@ pub struct Timing {
     pub seams: Vec<usize>,
     /// Length of the path walked, by the integrator in use, the clip's unit.
     pub path_length: f64,
+    /// The frames stand at their arc lengths exactly; Euler steps only come near.
+    pub is_exact: bool,
     /// The path is shorter than the clip, so the clip ends where the path does.
     pub ends_early: bool,
     /// What could not be done as wished, one line each.
@@ -95,7 +97,16 @@ impl Timing {
             }
         };
         let ends_early = source_frames.len() < progress.len();
-        Self { source_frames, arc_lengths, frames, seams, path_length, ends_early, warnings }
+        Self {
+            source_frames,
+            arc_lengths,
+            frames,
+            seams,
+            path_length,
+            is_exact: chords.is_none(),
+            ends_early,
+            warnings,
+        }
     }
 
     /// Leaves the clip on its own path.
@@ -106,6 +117,7 @@ impl Timing {
             frames: original.frames().to_vec(),
             seams: Vec::new(),
             path_length: progress[progress.len() - 1],
+            is_exact: true,
             ends_early: false,
             warnings: Vec::new(),
         }
@@ -125,6 +137,7 @@ impl Timing {
             frames: path.frames_at_parameters(&parameters),
             seams: Vec::new(),
             path_length,
+            is_exact: chords.is_none(),
             ends_early: false,
             warnings,
         }

@@ -1,0 +1,624 @@
+//! The scene in cells: an orthographic view from above, from the front or from the side.
+//!
+//! Curves and limbs are braille lines, things with a place are single characters on top of them, texts go where they
+//! cover neither. What a thing is shows without colour too: the original path is dashed, the original actor's hips
+//! are `o` and its tracker `□`, the new one's `O` and `■`; control points are `●`, the selected one `◆` with its
+//! number.
+
+use glam::DVec3;
+use ratatui::{
+    buffer::Buffer,
+    layout::{Position, Rect},
+    widgets::Widget,
+};
+
+use super::{
+    braille::{Canvas, Line},
+    colour::Palette,
+    text,
+};
+use crate::{
+    motion::UpAxis,
+    scene::{Body, Label, Mark, Role, Scene, Stroke},
+};
+
+/// Room left around what [`Extent::of`] frames, as a share of its size.
+const MARGIN: f64 = 0.06;
+
+/// Grid points nearer than this many dots would only be noise.
+const MIN_GRID_DOTS: f64 = 8.0;
+
+/// The end of a limb is a foot when it is in this lowest share of the body's height.
+const FOOT_SHARE: f64 = 0.3;
+
+/// Where the scene is looked at from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From above: world x to the right, world z down.
+    Top,
+    /// From +z: world x to the right, up is up.
+    Front,
+    /// From +x: world z to the left, up is up.
+    Side,
+}
+
+impl Direction {
+    /// Projects a world point to lengths towards the right and down.
+    pub fn project(self, p: DVec3) -> (f64, f64) {
+        match self {
+            Self::Top => (p.x, p.z),
+            Self::Front => (p.x, -p.y),
+            Self::Side => (-p.z, -p.y),
+        }
+    }
+
+    /// Names the axes of the clip's file in this view.
+    fn compass(self, up: UpAxis) -> &'static str {
+        match (self, up) {
+            (Self::Top, UpAxis::Y) => "→x ↓z",
+            (Self::Top, UpAxis::Z) => "→x ↑y",
+            (Self::Front, UpAxis::Y) => "→x ↑y",
+            (Self::Front, UpAxis::Z) => "→x ↑z",
+            (Self::Side, UpAxis::Y) => "←z ↑y",
+            (Self::Side, UpAxis::Z) => "→y ↑z",
+        }
+    }
+}
+
+/// The part of the world a view shows, at least: the longer side of the area shows more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Middle of the view, world.
+    pub centre: DVec3,
+    /// Half the width shown, in the clip's length unit; positive.
+    pub half_width: f64,
+    /// Half the height shown, in the clip's length unit; positive.
+    pub half_height: f64,
+}
+
+impl Extent {
+    /// Frames everything the scene's still part draws and its actors now, never less than one body height.
+    pub fn of(scene: &Scene, direction: Direction) -> Self {
+        let still = &scene.still;
+        let points = (still.curves.iter().flat_map(|c| &c.points))
+            .chain(still.marks.iter().map(|m| &m.at))
+            .chain(scene.now.actors.iter().flatten())
+            .filter(|p| p.is_finite());
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &p in points {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        if min.x > max.x {
+            (min, max) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        let least = 0.5 * still.body_height;
+        let (a, b) = (direction.project(min), direction.project(max));
+        let half = |a: f64, b: f64| (0.5 * (b - a).abs() * (1.0 + 2.0 * MARGIN)).max(least);
+        Self { centre: 0.5 * (min + max), half_width: half(a.0, b.0), half_height: half(a.1, b.1) }
+    }
+}
+
+/// The scene seen along an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanView<'a> {
+    /// What is seen.
+    pub scene: &'a Scene,
+    /// Where it is seen from.
+    pub direction: Direction,
+    /// The part of the world that is seen.
+    pub extent: Extent,
+    /// The clip's up axis, which decides the names of the axes.
+    pub up: UpAxis,
+    /// Name of the clip's length unit; may be empty.
+    pub unit: &'a str,
+    /// Colours.
+    pub palette: Palette,
+}
+
+impl Widget for &PlanView<'_> {
+    fn render(self, area: Rect, buf: &mut Buffer) {
+        let area = area.intersection(buf.area);
+        if area.is_empty() {
+            return;
+        }
+        let map = Map::new(self.direction, self.extent, area);
+        let mut ground = Canvas::new(area.width, area.height);
+        self.draw_ground(&map, &mut ground);
+        ground.paint(area, buf);
+        let mut ink = Canvas::new(area.width, area.height);
+        self.draw_curves(&map, &mut ink);
+        self.draw_limbs(&map, &mut ink);
+        ink.paint(area, buf);
+        let mut cover = Cover { area, ink, taken: Vec::new() };
+        self.put_symbols(&map, &mut cover, buf);
+        self.put_labels(&map, &mut cover, buf);
+        self.put_frame_of_reference(&map, &cover, buf);
+    }
+}
+
+impl PlanView<'_> {
+    fn draw_ground(&self, map: &Map, canvas: &mut Canvas) {
+        let Some(ground) = self.scene.still.ground else { return };
+        let style = self.palette.role(Role::Ground);
+        if self.direction != Direction::Top {
+            let edge = DVec3::splat(ground.half_extent);
+            let ends = [ground.centre - edge, ground.centre + edge].map(|p| map.dots(p.with_y(ground.height)));
+            canvas.polyline(ends, Line::Dashed, style);
+            return;
+        }
+        let Some(step) = grid_step(ground.cell, map.dots_per_unit) else { return };
+        let (min, max) = map.visible();
+        let lines = |centre: f64, min: f64, max: f64| {
+            let first = (min.max(centre - ground.half_extent) / step).ceil();
+            let last = (max.min(centre + ground.half_extent) / step).floor();
+            // An empty or undefined range counts none; the visible part bounds the rest.
+            (0..=(last - first).max(-1.0) as i64)
+                .take_while(move |_| last >= first)
+                .map(move |i| (first + i as f64) * step)
+        };
+        for x in lines(ground.centre.x, min.0, max.0) {
+            for z in lines(ground.centre.z, min.1, max.1) {
+                let (x, y) = map.dots(DVec3::new(x, ground.height, z));
+                canvas.dot(x, y, style);
+            }
+        }
+    }
+
+    fn draw_curves(&self, map: &Map, canvas: &mut Canvas) {
+        let mut curves: Vec<_> = self.scene.still.curves.iter().collect();
+        curves.sort_by_key(|curve| rank(curve.role));
+        for curve in curves {
+            let line = match curve.stroke {
+                Stroke::Solid => Line::Solid,
+                Stroke::Dashed => Line::Dashed,
+            };
+            canvas.polyline(curve.points.iter().map(|&p| map.dots(p)), line, self.palette.role(curve.role));
+        }
+    }
+
+    fn draw_limbs(&self, map: &Map, canvas: &mut Canvas) {
+        for (body, points) in self.bodies() {
+            let style = self.palette.role(body.role);
+            for limb in &body.limbs {
+                let ends = [limb.from, limb.to].map(|i| points.get(i as usize).map(|&p| map.dots(p)));
+                canvas.polyline(ends.into_iter().flatten(), Line::Solid, style);
+            }
+        }
+    }
+
+    fn put_symbols(&self, map: &Map, cover: &mut Cover, buf: &mut Buffer) {
+        let mut symbols = Vec::new();
+        for (body, points) in self.bodies() {
+            let style = self.palette.role(body.role);
+            let (hips, foot) = if body.role == Role::OriginalSkeleton { ('o', '▫') } else { ('O', '▪') };
+            let (root, feet) = landmarks(body, points);
+            symbols.extend(feet.into_iter().map(|p| (p, foot, style)));
+            symbols.extend(root.map(|p| (p, hips, style)));
+        }
+        let mut marks: Vec<&Mark> = self.scene.still.marks.iter().chain(&self.scene.now.marks).collect();
+        marks.sort_by_key(|mark| rank(mark.role));
+        symbols.extend(marks.into_iter().map(|mark| (mark.at, mark_symbol(mark.role), self.palette.role(mark.role))));
+        for (at, symbol, style) in symbols {
+            if let Some(cell) = map.cell(at) {
+                buf[cell].set_char(symbol).set_style(style);
+                cover.taken.push(Rect::new(cell.x, cell.y, 1, 1));
+            }
+        }
+    }
+
+    /// Puts texts where they cover no other text and no symbol; the selected control point's text is put in any case,
+    /// others are left out where there is no room.
+    fn put_labels(&self, map: &Map, cover: &mut Cover, buf: &mut Buffer) {
+        let number = self.selected_number();
+        let mut labels: Vec<&Label> =
+            self.scene.still.labels.iter().chain(&self.scene.now.labels).chain(&number).collect();
+        labels.sort_by_key(|label| std::cmp::Reverse(rank(label.role)));
+        for label in labels {
+            let Some(cell) = map.cell(label.at) else { continue };
+            let width = text::width(&label.text).min(usize::from(cover.area.width)) as u16;
+            let must = label.role == Role::SelectedControlPoint;
+            let Some(place) = cover.place_beside(cell, width, must) else { continue };
+            text::put(buf, place, 0, 0, &label.text, self.palette.role(label.role));
+            cover.taken.push(place);
+        }
+    }
+
+    /// Puts the scale bar and the names of the axes into the corners at the bottom or, where something is drawn there,
+    /// at the top.
+    fn put_frame_of_reference(&self, map: &Map, cover: &Cover, buf: &mut Buffer) {
+        let area = cover.area;
+        let compass = self.direction.compass(self.up);
+        let bar = scale_bar(map, self.unit).unwrap_or_default();
+        let widths = [&bar, compass].map(|text| text::width(text) as u16);
+        if area.height < 3 || widths[0] + widths[1] >= area.width {
+            return;
+        }
+        for (text, width, x) in [(bar.as_str(), widths[0], area.x), (compass, widths[1], area.right() - widths[1])] {
+            let places = [area.bottom() - 1, area.y].map(|y| Rect { x, y, width, height: 1 });
+            let place = places.into_iter().find(|place| cover.is_blank(*place));
+            let place = place.or_else(|| places.into_iter().find(|place| cover.is_free(*place)));
+            if let Some(place) = place {
+                text::put(buf, place, 0, 0, text, self.palette.dim());
+            }
+        }
+    }
+
+    /// Returns the bodies that are there now, the new one last.
+    fn bodies(&self) -> impl Iterator<Item = (&Body, &[DVec3])> {
+        let mut bodies: Vec<_> = self.scene.still.bodies.iter().zip(self.scene.now.actors.iter()).collect();
+        bodies.sort_by_key(|(body, _)| rank(body.role));
+        bodies.into_iter().map(|(body, points)| (body, points.as_slice()))
+    }
+
+    /// Returns the selected control point's number, counted from 1, unless the scene labels it itself.
+    fn selected_number(&self) -> Option<Label> {
+        let role = Role::SelectedControlPoint;
+        let still = &self.scene.still;
+        if still.labels.iter().chain(&self.scene.now.labels).any(|label| label.role == role) {
+            return None;
+        }
+        let points = still.marks.iter().filter(|m| matches!(m.role, Role::ControlPoint | Role::SelectedControlPoint));
+        let (idx, selected) = points.enumerate().find(|(_, mark)| mark.role == role)?;
+        Some(Label { role, at: selected.at, text: (idx + 1).to_string() })
+    }
+}
+
+/// From the world to dots from the area's top left.
+struct Map {
+    direction: Direction,
+    area: Rect,
+    centre: (f64, f64),
+    dots_per_unit: f64,
+}
+
+impl Map {
+    fn new(direction: Direction, extent: Extent, area: Rect) -> Self {
+        let (half_width, half_height) = (f64::from(area.width), f64::from(area.height) * 2.0);
+        // A dot is about square, so one scale serves both directions.
+        let dots_per_unit = (half_width / extent.half_width).min(half_height / extent.half_height);
+        Self { direction, area, centre: direction.project(extent.centre), dots_per_unit }
+    }
+
+    fn dots(&self, p: DVec3) -> (f64, f64) {
+        let (right, down) = self.direction.project(p);
+        (
+            f64::from(self.area.width) + (right - self.centre.0) * self.dots_per_unit,
+            f64::from(self.area.height) * 2.0 + (down - self.centre.1) * self.dots_per_unit,
+        )
+    }
+
+    /// Returns the cell of a point, if it is in the area.
+    fn cell(&self, p: DVec3) -> Option<Position> {
+        let (x, y) = self.dots(p);
+        let (x, y) = ((x / 2.0).floor(), (y / 4.0).floor());
+        let inside = x >= 0.0 && y >= 0.0 && x < f64::from(self.area.width) && y < f64::from(self.area.height);
+        inside.then(|| Position::new(self.area.x + x as u16, self.area.y + y as u16))
+    }
+
+    /// Returns the smallest and the largest projected lengths the area shows.
+    fn visible(&self) -> ((f64, f64), (f64, f64)) {
+        let half_width = f64::from(self.area.width) / self.dots_per_unit;
+        let half_height = f64::from(self.area.height) * 2.0 / self.dots_per_unit;
+        (
+            (self.centre.0 - half_width, self.centre.1 - half_height),
+            (self.centre.0 + half_width, self.centre.1 + half_height),
+        )
+    }
+}
+
+/// What is drawn over what: the larger rank on top.
+fn rank(role: Role) -> u8 {
+    match role {
+        Role::Ground => 0,
+        Role::Trace => 1,
+        Role::Footprint => 2,
+        Role::OriginalPath => 3,
+        Role::NewPath => 4,
+        Role::ControlPoint => 5,
+        Role::OriginalSkeleton => 6,
+        Role::NewSkeleton => 7,
+        Role::OriginalTracker => 8,
+        Role::NewTracker => 9,
+        Role::SelectedControlPoint => 10,
+    }
+}
+
+fn mark_symbol(role: Role) -> char {
+    match role {
+        Role::ControlPoint => '●',
+        Role::SelectedControlPoint => '◆',
+        Role::OriginalTracker => '□',
+        Role::NewTracker => '■',
+        _ => '•',
+    }
+}
+
+/// Returns the root of a body and the ends of limbs that are low enough to be feet.
+fn landmarks(body: &Body, points: &[DVec3]) -> (Option<DVec3>, Vec<DVec3>) {
+    let point = |i: u32| points.get(i as usize).copied();
+    let root = body.limbs.iter().find(|limb| body.limbs.iter().all(|other| other.to != limb.from));
+    let heights = || points.iter().map(|p| p.y).filter(|y| y.is_finite());
+    let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let feet = (body.limbs.iter())
+        .filter(|limb| body.limbs.iter().all(|other| other.from != limb.to))
+        .filter_map(|limb| point(limb.to))
+        .filter(|p| p.y <= low + FOOT_SHARE * (high - low))
+        .collect();
+    (root.and_then(|limb| point(limb.from)), feet)
+}
+
+/// Returns the grid's cell, or the multiple of it whose points are far enough apart to be seen as points.
+fn grid_step(cell: f64, dots_per_unit: f64) -> Option<f64> {
+    let wanted = MIN_GRID_DOTS / dots_per_unit;
+    if !(cell > 0.0 && cell.is_finite() && wanted.is_finite()) {
+        return None;
+    }
+    Some(if cell >= wanted { cell } else { text::round_up(wanted / cell) * cell })
+}
+
+/// Returns the scale bar with its length, a round number.
+fn scale_bar(map: &Map, unit: &str) -> Option<String> {
+    let units_per_cell = 2.0 / map.dots_per_unit;
+    if !(units_per_cell > 0.0 && units_per_cell.is_finite()) {
+        return None;
+    }
+    // A round length between 4 and 10 cells.
+    let length = text::round_up(4.0 * units_per_cell);
+    let bar = "─".repeat(((length / units_per_cell).round() as usize).saturating_sub(2));
+    let bar = format!("├{bar}┤ {} {unit}", text::number(length, length));
+    Some(bar.trim_end().to_owned())
+}
+
+/// What is drawn already.
+struct Cover {
+    area: Rect,
+    /// Lines.
+    ink: Canvas,
+    /// Symbols and texts.
+    taken: Vec<Rect>,
+}
+
+impl Cover {
+    /// Tells whether a place has no symbol and no text.
+    fn is_free(&self, place: Rect) -> bool {
+        !self.taken.iter().any(|taken| taken.intersects(place))
+    }
+
+    /// Tells whether a place, one cell high, has no line either.
+    fn is_blank(&self, place: Rect) -> bool {
+        let row = place.y - self.area.y;
+        let inked = (place.left()..place.right()).any(|x| self.ink.is_inked(x - self.area.x, row));
+        !inked && self.is_free(place)
+    }
+
+    /// Returns where a text beside a cell covers no text or symbol, and no line if that can be: right, left, above,
+    /// below. A text that must be put covers what it has to.
+    fn place_beside(&self, cell: Position, width: u16, must: bool) -> Option<Rect> {
+        let (x, y) = (i32::from(cell.x), i32::from(cell.y));
+        let places: Vec<Rect> = [(x + 1, y), (x - i32::from(width), y), (x, y - 1), (x, y + 1)]
+            .into_iter()
+            .filter_map(|(x, y)| Some(Rect::new(u16::try_from(x).ok()?, u16::try_from(y).ok()?, width, 1)))
+            .filter(|place| place.intersection(self.area) == *place)
+            .collect();
+        let blank = places.iter().find(|place| self.is_blank(**place));
+        let free = blank.or_else(|| places.iter().find(|place| self.is_free(**place)));
+        free.or(if must { places.first() } else { None }).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{f64::consts::TAU, sync::Arc};
+
+    use ratatui::style::Style;
+
+    use super::*;
+    use crate::{
+        scene::{Curve, Ground, Limb, Now, Still},
+        tui::{
+            Depth,
+            test_screen::{every_size, screen},
+        },
+    };
+
+    /// A person of 1.8 units at a place, with one foot lifted a little and hands at the hips' height.
+    fn person(x: f64, z: f64) -> Vec<DVec3> {
+        [(0.0, 0.95, 0.0), (0.0, 1.8, 0.0), (-0.35, 1.0, 0.1), (0.35, 1.0, -0.1), (-0.15, 0.0, 0.3), (0.15, 0.2, -0.3)]
+            .map(|(dx, y, dz)| DVec3::new(x + dx, y, z + dz))
+            .to_vec()
+    }
+
+    fn body(role: Role) -> Body {
+        let limb = |from, to| Limb { from, to, radius: 0.05 };
+        Body { role, limbs: vec![limb(0, 1), limb(1, 2), limb(1, 3), limb(0, 4), limb(0, 5)] }
+    }
+
+    fn curve(role: Role, stroke: Stroke, points: Vec<DVec3>) -> Curve {
+        Curve { role, stroke, points }
+    }
+
+    /// A straight original path along z, a new path that is half a circle, five control points on it.
+    fn scene() -> Scene {
+        let on_circle = |turn: f64| DVec3::new(4.0 + 4.0 * (turn * TAU).cos(), 0.0, -4.0 * (turn * TAU).sin());
+        let half: Vec<DVec3> = (0..=60).map(|i| on_circle(0.5 * f64::from(i) / 60.0)).collect();
+        let straight: Vec<DVec3> = (0..=10).map(|i| DVec3::new(-2.0, 0.0, f64::from(i) - 6.0)).collect();
+        let controls: Vec<DVec3> = (0..5).map(|i| on_circle(0.125 * f64::from(i))).collect();
+        let mark = |(i, &at): (usize, &DVec3)| {
+            let role = if i == 2 { Role::SelectedControlPoint } else { Role::ControlPoint };
+            Mark { role, at, radius: 0.1 }
+        };
+        let still = Still {
+            revision: 1,
+            body_height: 1.8,
+            bodies: vec![body(Role::OriginalSkeleton), body(Role::NewSkeleton)],
+            marks: controls.iter().enumerate().map(mark).collect(),
+            curves: vec![
+                curve(Role::OriginalPath, Stroke::Dashed, straight),
+                curve(Role::NewPath, Stroke::Solid, half),
+            ],
+            labels: vec![Label {
+                role: Role::OriginalPath,
+                at: DVec3::new(-2.0, 0.0, 4.0),
+                text: "as walked".to_owned(),
+            }],
+            ground: Some(Ground { height: 0.0, centre: DVec3::ZERO, half_extent: 20.0, cell: 1.0 }),
+        };
+        let tracker = |role, x, z| Mark { role, at: DVec3::new(x, 0.0, z), radius: 0.2 };
+        let now = Now {
+            actors: vec![person(-2.0, 1.0), person(6.0, -3.0)],
+            marks: vec![tracker(Role::OriginalTracker, -2.0, 2.5), tracker(Role::NewTracker, 4.0, 0.0)],
+            labels: Vec::new(),
+            views: Vec::new(),
+            caption: String::new(),
+        };
+        Scene { still: Arc::new(still), now }
+    }
+
+    fn view(scene: &Scene, direction: Direction) -> PlanView<'_> {
+        let extent = Extent::of(scene, direction);
+        PlanView { scene, direction, extent, up: UpAxis::Y, unit: "m", palette: Palette::new(Depth::True) }
+    }
+
+    fn drawn(scene: &Scene, direction: Direction, width: u16, height: u16) -> Vec<String> {
+        screen(width, height, |area, buf| (&view(scene, direction)).render(area, buf))
+    }
+
+    #[test]
+    fn from_above_a_small_terminal_shows_it_all() {
+        assert_eq!(
+            drawn(&scene(), Direction::Top, 40, 12),
+            [
+                " ⠄   ⠄   ⢠   ⠠    ⠄   ⠠   ⠠    ⠄   ⠄   ⠠",
+                "         ⠸            3                 ",
+                " ⡀   ⡀   ⢠   ⢀    ⡀⢀⣀⣀◆⣀⣀⡀⢀    ⡀   ⡀   ⢀",
+                "         ⠈      ⢀⠔⠒⠁     ⠈O▪⡀           ",
+                " ⡀   ⡀   ⢰   ⢀ ⡴● ⡀   ⢀   ▪ ●⢦ ⡀   ⡀   ⢀",
+                "              ⡼               ⢣         ",
+                "         ⢸   ⢠⠃               ⠘⡄        ",
+                " ⠁   ⠁   ▫   ●    ⠁   ■   ⠈    ●   ⠁   ⠈",
+                "        ⠐o⠁                             ",
+                " ⠁   ⠁   □   ⠈    ⠁   ⠈   ⠈    ⠁   ⠁   ⠈",
+                "         ⠘                              ",
+                "├──┤ 2 m ⠘as walked   ⠐   ⠐    ⠂   →x ↓z",
+            ]
+        );
+    }
+
+    #[test]
+    fn from_the_front_and_the_side_people_stand() {
+        let mut scene = scene();
+        scene.now.actors[0].clear();
+        let shown = view(&scene, Direction::Front);
+        let extent = Extent { centre: DVec3::new(6.0, 0.9, -3.0), half_width: 1.2, half_height: 1.1 };
+        let front = PlanView { extent, ..shown };
+        let side = PlanView { extent, direction: Direction::Side, up: UpAxis::Z, ..shown };
+        assert_eq!(
+            screen(24, 10, |area, buf| (&front).render(area, buf)),
+            [
+                "├───┤ 0.5 m ⡀      →x ↑y",
+                "           ⡜⣧           ",
+                "          ⡸ ⡇⢇          ",
+                "         ⡰⠁ ⡇⠈⢆         ",
+                "        ⠠⠃  O ⠘⠄        ",
+                "           ⢸⡇           ",
+                "           ⡎⢸           ",
+                "           ⡇⠈⡆          ",
+                "          ⢸  ▪          ",
+                "⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉▪⠉⠉⠉⠉⠉⠉⠉⠉●⠉⠉⠉⠉",
+            ]
+        );
+        assert_eq!(
+            screen(24, 10, |area, buf| (&side).render(area, buf)),
+            [
+                "├───┤ 0.5 m ⡀      →y ↑z",
+                "           ⢸⡇           ",
+                "           ⢸⡇           ",
+                "           ⡇⣿           ",
+                "           ⠇O           ",
+                "           ⡜⢣           ",
+                "          ⢰⠁ ⢣          ",
+                "          ⡇  ⠈⢆         ",
+                "         ⡸    ▪         ",
+                "⠉⠉⠉⠉⠉⠉⠉⠉⠉▪●⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉◆3⠈",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_circle_is_round() {
+        let mut scene = scene();
+        let circle = (0..=90).map(|i| f64::from(i) / 90.0 * TAU).map(|a| DVec3::new(a.cos(), 0.0, a.sin())).collect();
+        let still = Arc::make_mut(&mut scene.still);
+        *still = Still {
+            curves: vec![curve(Role::NewPath, Stroke::Solid, circle)],
+            marks: Vec::new(),
+            labels: Vec::new(),
+            ground: None,
+            ..still.clone()
+        };
+        scene.now.actors.clear();
+        scene.now.marks.clear();
+        let extent = Extent { centre: DVec3::ZERO, half_width: 1.01, half_height: 1.01 };
+        let round = PlanView { extent, ..view(&scene, Direction::Top) };
+        let map = Map::new(Direction::Top, extent, Rect::new(0, 0, 40, 12));
+        let (left, right) = (map.dots(DVec3::NEG_X), map.dots(DVec3::X));
+        let (top, bottom) = (map.dots(DVec3::NEG_Z), map.dots(DVec3::Z));
+        assert!(((right.0 - left.0) - (bottom.1 - top.1)).abs() < 1e-9);
+        assert_eq!(
+            screen(12, 6, |area, buf| (&round).render(area, buf)),
+            [" ⢀⡤⠊⠉⠉⠉⠉⠑⢤⡀ ", "⣰⠃        ⠘⣆", "⡇          ⢸", "⡇          ⢸", "⠹⡄        ⢠⠏", " ⠈⠓⢄⣀⣀⣀⣀⡠⠚⠁ ",]
+        );
+    }
+
+    #[test]
+    fn the_selected_number_is_shown_unless_the_scene_labels_it() {
+        let mut scene = scene();
+        assert_eq!(view(&scene, Direction::Top).selected_number().map(|label| label.text), Some("3".to_owned()));
+        let label = Label { role: Role::SelectedControlPoint, at: DVec3::ZERO, text: "P2".to_owned() };
+        Arc::make_mut(&mut scene.still).labels.push(label);
+        assert_eq!(view(&scene, Direction::Top).selected_number(), None);
+    }
+
+    #[test]
+    fn labels_do_not_cover_one_another() {
+        let area = Rect::new(0, 0, 10, 3);
+        let at = Position::new(4, 1);
+        let mut ink = Canvas::new(10, 3);
+        ink.dot(12.0, 6.0, Style::new());
+        let mut cover = Cover { area, ink, taken: vec![Rect::new(4, 1, 1, 1)] };
+        let mut places = Vec::new();
+        while let Some(place) = cover.place_beside(at, 3, false) {
+            places.push((place.x, place.y));
+            cover.taken.push(place);
+        }
+        assert_eq!(places, [(1, 1), (4, 0), (4, 2), (5, 1)], "the line on the right is covered last");
+        assert_eq!(cover.place_beside(at, 3, true), Some(Rect::new(5, 1, 3, 1)));
+        assert_eq!(cover.place_beside(at, 11, true), None);
+    }
+
+    #[test]
+    fn odd_scenes_and_any_size_draw() {
+        let full = scene();
+        let mut odd = scene();
+        let still = Arc::make_mut(&mut odd.still);
+        still.curves[0].points = vec![DVec3::NAN, DVec3::splat(1e300), DVec3::splat(-1e300), DVec3::ZERO];
+        still.ground = Some(Ground { height: f64::NAN, centre: DVec3::ZERO, half_extent: f64::INFINITY, cell: 1e-9 });
+        odd.now.actors[0].truncate(2);
+        let mut empty = scene();
+        *Arc::make_mut(&mut empty.still) = Still {
+            bodies: Vec::new(),
+            curves: Vec::new(),
+            marks: Vec::new(),
+            labels: Vec::new(),
+            ..empty.still.as_ref().clone()
+        };
+        empty.now.actors.clear();
+        for scene in [full, odd, empty] {
+            for direction in [Direction::Top, Direction::Front, Direction::Side] {
+                every_size(|area, buf| (&view(&scene, direction)).render(area, buf));
+                let extent = Extent { centre: DVec3::NAN, half_width: 0.0, half_height: f64::INFINITY };
+                every_size(|area, buf| (&PlanView { extent, ..view(&scene, direction) }).render(area, buf));
+            }
+        }
+    }
+}
