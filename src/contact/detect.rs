@@ -44,6 +44,12 @@ const LOOSE: f64 = 1.5;
 /// A joint's floor is the height below which it is for this share of the frames.
 const FLOOR_SHARE: f64 = 0.05;
 
+/// A foot that is slow for less than this, and higher than in the plants before and after, rests in mid-air: seconds.
+const PAUSE_SECS: f64 = 0.25;
+
+/// How much higher, body heights.
+const PAUSE_HEIGHT: f64 = 0.02;
+
 /// Shortest stretch off the floor, seconds; at the top of a jump feet are slow for 0.05 s.
 const SHORTEST_RAISED_SECS: f64 = 0.2;
 
@@ -64,6 +70,15 @@ pub struct Detection<'a> {
     pub thresholds: Thresholds,
 }
 
+/// The joint of a foot that may stand.
+struct Joint<'a> {
+    point: usize,
+    /// Over the frames, clip's unit.
+    heights: &'a [f64],
+    /// Its height when it stands on the lowest ground.
+    floor: f64,
+}
+
 impl Detection<'_> {
     /// Finds the plants of every leg, in the order of the legs.
     pub fn plants(&self) -> Vec<FootPlants> {
@@ -78,9 +93,13 @@ impl Detection<'_> {
 
     /// Finds one foot's plants. `slow_below`: strict speed bound at every frame; `lowest`: the body's lowest point.
     fn foot(&self, leg: &Leg, slow_below: &[f64], lowest: &[f64]) -> Vec<Plant> {
+        let joints = [leg.ankle.idx(), leg.toe].map(|point| {
+            let heights = self.tracks.y(point);
+            Joint { point, heights, floor: percentile(heights, FLOOR_SHARE) }
+        });
         let mut stands = vec![false; self.tracks.n_frames()];
-        for point in [leg.ankle.idx(), leg.toe] {
-            for stretch in self.joint(point, slow_below, lowest) {
+        for joint in &joints {
+            for stretch in self.stretches_of(joint, slow_below, lowest) {
                 stands[stretch].fill(true);
             }
         }
@@ -91,23 +110,21 @@ impl Detection<'_> {
                 stands[hole].fill(true);
             }
         }
-        runs(&stands, true)
-            .into_iter()
-            .filter(|run| run.len() >= n_shortest)
-            .map(|run| Plant::new(run.start, run.end - 1))
-            .collect()
+        let mut found = runs(&stands, true);
+        found.retain(|run| run.len() >= n_shortest);
+        let found = self.without_pauses(found, &joints);
+        found.iter().map(|run| Plant::new(run.start, run.end - 1)).collect()
     }
 
     /// Finds the stretches over which one joint stands.
-    fn joint(&self, point: usize, slow_below: &[f64], lowest: &[f64]) -> Vec<Range<usize>> {
-        let heights = self.tracks.y(point);
+    fn stretches_of(&self, joint: &Joint, slow_below: &[f64], lowest: &[f64]) -> Vec<Range<usize>> {
+        let &Joint { point, heights, floor } = joint;
         let speeds = self.speeds(point);
-        let n_frames = heights.len();
         let near = self.thresholds.height * self.height;
-        let low_below = percentile(heights, FLOOR_SHARE) + near;
         let slow = |frame: usize, loose: f64| speeds[frame] < loose * slow_below[frame];
-        let low = |frame: usize, loose: f64| heights[frame] < low_below + (loose - 1.0) * near;
+        let low = |frame: usize, loose: f64| heights[frame] < floor + loose * near;
 
+        let n_frames = heights.len();
         let on_floor = stretches(n_frames, |f| slow(f, LOOSE) && low(f, LOOSE), |f| slow(f, 1.0) && low(f, 1.0));
         let mut stretches = stretches(n_frames, |f| slow(f, LOOSE), |f| slow(f, 1.0));
         stretches.retain(|stretch| {
@@ -118,6 +135,19 @@ impl Detection<'_> {
         });
         stretches.extend(on_floor);
         stretches
+    }
+
+    /// Leaves out the runs in which a swinging foot rests in mid-air, not far above the floor.
+    fn without_pauses(&self, runs: Vec<Range<usize>>, joints: &[Joint; 2]) -> Vec<Range<usize>> {
+        let above_floor = |f: usize| joints.iter().map(|j| j.heights[f] - j.floor).fold(f64::INFINITY, f64::min);
+        let heights: Vec<f64> =
+            (runs.iter().cloned()).map(|run| run.map(above_floor).fold(f64::INFINITY, f64::min)).collect();
+        let most = |idx: usize| PAUSE_HEIGHT * self.height + heights[idx - 1].max(heights[idx + 1]);
+        let is_pause = |idx: usize| {
+            let inner = idx > 0 && idx + 1 < runs.len();
+            inner && runs[idx].len() < self.n_frames_in(PAUSE_SECS) && heights[idx] > most(idx)
+        };
+        (runs.iter().enumerate()).filter(|&(idx, _)| !is_pause(idx)).map(|(_, run)| run.clone()).collect()
     }
 
     /// Returns a joint's speed at every frame: the smaller of those just before and just after, so that a foot counts

@@ -1,15 +1,20 @@
 //! Foot plants: when each foot stands on the ground (METHOD 6.1).
 //!
-//! Plants are found on the source clip ([`Detection`]), before any edit; the user's own plants replace what they
-//! overlap. Frames here are the clip's, rest frames not counted, unless a name says `file`.
+//! Plants are found on the source clip ([`Detection`]), before any edit; the user's own plants ([`PlantEdit`]) replace
+//! what they overlap. A key press changes a list of plants by a [`PlantChange`]; [`recorded`] turns the list back into
+//! edits. Frames here are the clip's, rest frames not counted, unless a name says `file`.
 
+mod change;
 mod detect;
+mod edits;
 
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Leg;
 
+pub use change::PlantChange;
 pub use detect::{Detection, Thresholds};
+pub use edits::{FileFrames, PlantEdit, PlantEditMode, merged, recorded, with_edits};
 
 /// What is to be done with a plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -23,4 +23,4 @@ pub use facts::{Decided, Facts};
 pub use legs::{Leg, LegNames, Side, find_legs};
 pub use options::{ClipOptions, OffsetMeaning, UpAxis};
 pub use to_bvh::to_bvh;
-pub use tracks::PointTracks;
+pub use tracks::{PointTracks, Track};
