@@ -156,7 +156,8 @@ impl Detection<'_> {
         let n_frames = self.tracks.n_frames();
         let span = ((SPEED_SECS / self.frame_time_secs).round().max(1.0) as usize).min(n_frames - 1);
         let (x, y, z) = (self.tracks.x(point), self.tracks.y(point), self.tracks.z(point));
-        let per_sec = 1.0 / (span as f64 * self.frame_time_secs);
+        // One frame is no motion: its foot stands still.
+        let per_sec = 1.0 / (span.max(1) as f64 * self.frame_time_secs);
         let after: Vec<f64> = (0..n_frames - span)
             .map(|f| {
                 let (dx, dy, dz) = (x[f + span] - x[f], y[f + span] - y[f], z[f + span] - z[f]);
@@ -227,4 +228,202 @@ fn percentile(values: &[f64], share: f64) -> f64 {
     let mut values = values.to_vec();
     let at = ((values.len() - 1) as f64 * share).round() as usize;
     *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use glam::DQuat;
+
+    use super::*;
+    use crate::{motion::Side, skeleton::JointId};
+
+    const HEIGHT: f64 = 1.7;
+
+    const LEGS: [Leg; 2] = [
+        Leg { side: Side::Left, hip: JointId(0), knee: JointId(0), ankle: JointId(1), toe: 2 },
+        Leg { side: Side::Right, hip: JointId(0), knee: JointId(0), ankle: JointId(3), toe: 4 },
+    ];
+
+    /// A made-up motion: when each foot stands, and where.
+    struct Motion {
+        fps: f64,
+        n_frames: usize,
+        /// Seconds from one contact of a foot to its next.
+        cycle: f64,
+        /// Share of the cycle in which the foot stands.
+        stands: f64,
+        /// When the right foot is where the left is, share of the cycle: 0.5 in walks, 0 in jumps.
+        right_after: f64,
+        /// Body heights per second along z.
+        speed: f64,
+        /// Height gained per cycle, body heights.
+        climb: f64,
+        /// Radians per second; feet and body turn about the origin.
+        turn: f64,
+    }
+
+    const WALK: Motion = Motion {
+        fps: 60.0,
+        n_frames: 400,
+        cycle: 1.1,
+        stands: 0.62,
+        right_after: 0.5,
+        speed: 0.75,
+        climb: 0.0,
+        turn: 0.0,
+    };
+
+    impl Motion {
+        /// Returns how many contacts were begun at a frame, and how far the current one and the swing after it are.
+        fn phase(&self, foot: usize, frame: usize) -> (f64, f64) {
+            let cycles = frame as f64 / self.fps / self.cycle + if foot == 0 { 0.0 } else { self.right_after };
+            (cycles.floor(), cycles.fract())
+        }
+
+        /// Returns the plants as they were made.
+        fn truth(&self, foot: usize) -> Vec<(usize, usize)> {
+            let stands: Vec<bool> = (0..self.n_frames).map(|f| self.phase(foot, f).1 <= self.stands).collect();
+            runs(&stands, true).into_iter().map(|run| (run.start, run.end - 1)).collect()
+        }
+
+        fn position(&self, point: usize, frame: usize) -> DVec3 {
+            let secs = frame as f64 / self.fps;
+            let turned = |angle: f64, p: DVec3| HEIGHT * (DQuat::from_rotation_y(angle) * p);
+            if point == 0 {
+                let height = 0.5 + self.climb * secs / self.cycle;
+                return turned(self.turn * secs, DVec3::new(0.0, height, self.speed * secs));
+            }
+            let (foot, is_toe) = ((point - 1) / 2, point.is_multiple_of(2));
+            let (n_begun, phase) = self.phase(foot, frame);
+            let swing = ((phase - self.stands) / (1.0 - self.stands)).max(0.0);
+            let walked = n_begun + 0.5 * (1.0 - (PI * swing).cos()) - if foot == 0 { 0.0 } else { self.right_after };
+            let lift = 0.1 * (PI * swing).sin() + self.climb * walked;
+            // The heel comes up over the last third of the contact, about the toe, and comes down again in the swing.
+            let rolled = ((phase / self.stands - 0.67) / 0.33).clamp(0.0, 1.0) * (1.0 - swing);
+            let heel = DQuat::from_rotation_x(0.7 * rolled) * DVec3::new(0.0, 0.03, -0.08);
+            let x = if foot == 0 { 0.06 } else { -0.06 };
+            let toe = DVec3::new(x, 0.02 + lift, 0.04 + self.speed * self.cycle * walked);
+            turned(self.turn * self.cycle * walked, if is_toe { toe } else { toe + heel })
+        }
+
+        fn tracks(&self) -> PointTracks {
+            PointTracks::from_fn(5, self.n_frames, |point, frame| self.position(point, frame))
+        }
+
+        fn plants(&self, tracks: &PointTracks) -> Vec<Vec<(usize, usize)>> {
+            found(tracks, 1.0 / self.fps, HEIGHT)
+        }
+
+        /// Checks that every contact is found, within 2 frames or 1/30 s at each end, and nothing else.
+        #[track_caller]
+        fn check(&self, name: &str) {
+            let tolerance = (self.fps / 30.0).max(2.0);
+            for (foot, plants) in self.plants(&self.tracks()).into_iter().enumerate() {
+                let truth = self.truth(foot);
+                assert_eq!(plants.len(), truth.len(), "{name}, foot {foot}: {plants:?} instead of {truth:?}");
+                for (found, made) in plants.iter().zip(&truth) {
+                    let off = found.0.abs_diff(made.0).max(found.1.abs_diff(made.1));
+                    assert!(off as f64 <= tolerance, "{name}, foot {foot}: {found:?} instead of {made:?}");
+                }
+            }
+        }
+    }
+
+    fn found(tracks: &PointTracks, frame_time_secs: f64, height: f64) -> Vec<Vec<(usize, usize)>> {
+        let thresholds = Thresholds::default();
+        let detection = Detection { tracks, carrier: 0, legs: &LEGS, frame_time_secs, height, thresholds };
+        let ranges = |foot: &FootPlants| foot.plants.iter().map(|plant| (plant.first, plant.last)).collect();
+        detection.plants().iter().map(ranges).collect()
+    }
+
+    #[test]
+    fn walks_runs_and_jumps_are_found_at_any_frame_rate() {
+        for fps in [24.0, 30.0, 60.0, 100.0, 120.0, 240.0] {
+            let walk = Motion { fps, n_frames: (6.0 * fps) as usize, ..WALK };
+            walk.check(&format!("walk at {fps}"));
+            Motion { speed: -0.5, ..walk }.check(&format!("walk backwards at {fps}"));
+            Motion { speed: 0.0, turn: 1.5, ..walk }.check(&format!("turn on the spot at {fps}"));
+            Motion { speed: 0.0, ..walk }.check(&format!("steps on the spot at {fps}"));
+            Motion { speed: 2.1, cycle: 0.72, stands: 0.32, ..walk }.check(&format!("run at {fps}"));
+            Motion { speed: 0.9, cycle: 1.3, stands: 0.6, right_after: 0.0, ..walk }.check(&format!("jumps at {fps}"));
+        }
+    }
+
+    #[test]
+    fn stairs_and_slopes_are_found() {
+        for climb in [0.2, -0.2, 0.05, -0.05] {
+            // No contact is cut off by the clip's ends: what is left of one might be too short to tell.
+            let stairs = Motion { climb, speed: 0.4, n_frames: 390, right_after: 0.7, ..WALK };
+            stairs.check(&format!("climbing {climb} a cycle"));
+        }
+    }
+
+    #[test]
+    fn a_foot_held_up_does_not_stand() {
+        // The left foot is lifted at frame 60, kept still in the air and put down at frame 240.
+        let position = |point: usize, frame: usize| {
+            let lifted =
+                ((frame as f64 - 60.0) / 20.0).clamp(0.0, 1.0) - ((frame as f64 - 220.0) / 20.0).clamp(0.0, 1.0);
+            let up = if point == 1 || point == 2 { 0.25 * HEIGHT * lifted } else { 0.0 };
+            DVec3::new(point as f64, up, 0.0)
+        };
+        let tracks = PointTracks::from_fn(5, 300, position);
+        let [left, right] = &found(&tracks, 1.0 / 60.0, HEIGHT)[..] else { panic!("two feet") };
+        assert_eq!(right, &[(0, 299)]);
+        let [(0, up), (down, 299)] = left[..] else { panic!("{left:?}") };
+        assert!(up.abs_diff(60) <= 2 && down.abs_diff(240) <= 2, "{left:?}");
+    }
+
+    #[test]
+    fn a_foot_that_rests_in_mid_swing_does_not_stand() {
+        let walk = Motion { fps: 120.0, n_frames: 700, ..WALK };
+        let truth = walk.truth(0);
+        // Half of the swing after the second contact is spent at one low place.
+        let (from, to) = (truth[1].1 + 12, truth[2].0 - 12);
+        assert!(to - from > 15 && to - from < 30);
+        let position = |point: usize, frame: usize| {
+            let resting = (1..=2).contains(&point) && (from..=to).contains(&frame);
+            let p = walk.position(point, if resting { from } else { frame });
+            if resting { DVec3 { y: (if point == 1 { 0.1 } else { 0.06 }) * HEIGHT, ..p } } else { p }
+        };
+        let resting = PointTracks::from_fn(5, walk.n_frames, position);
+        assert_eq!(walk.plants(&resting), walk.plants(&walk.tracks()));
+    }
+
+    #[test]
+    fn trembling_does_not_break_plants() {
+        // Steps of 0.0013 H in any direction, 0.16 H/s at this rate.
+        let walk = Motion { fps: 120.0, n_frames: 700, ..WALK };
+        let noise = |seed: usize| ((seed as f64 * 12.9898).sin() * 43758.5453).fract() - 0.5;
+        let trembling = PointTracks::from_fn(5, walk.n_frames, |point, frame| {
+            let seed = 3 * (point * walk.n_frames + frame);
+            walk.position(point, frame) + 0.002 * HEIGHT * DVec3::new(noise(seed), noise(seed + 1), noise(seed + 2))
+        });
+        for (plants, truth) in walk.plants(&trembling).iter().zip([walk.truth(0), walk.truth(1)]) {
+            assert_eq!(plants.len(), truth.len(), "{plants:?} instead of {truth:?}");
+        }
+    }
+
+    #[test]
+    fn plants_do_not_depend_on_place_direction_and_size() {
+        let walk = Motion { turn: 0.3, ..WALK };
+        let tracks = walk.tracks();
+        let plants = walk.plants(&tracks);
+        let (turn, shift, size) = (DQuat::from_rotation_y(0.25 * TAU + 0.3), DVec3::new(30.0, -7.0, 4.0), 57.0);
+        let moved = PointTracks::from_fn(5, walk.n_frames, |p, f| size * (turn * tracks.position(p, f)) + shift);
+        assert_eq!(found(&moved, 1.0 / walk.fps, size * HEIGHT), plants);
+    }
+
+    #[test]
+    fn standing_and_very_short_clips_are_no_trouble() {
+        for n_frames in [1, 2, 3, 30] {
+            let still = PointTracks::from_fn(5, n_frames, |point, _| DVec3::new(point as f64, 0.0, 0.0));
+            let plants = if n_frames == 30 { vec![(0, 29)] } else { Vec::new() };
+            assert_eq!(found(&still, 0.01, HEIGHT), [plants.clone(), plants]);
+            assert_eq!(found(&still, 1e-9, HEIGHT).len(), 2, "no time passes");
+            assert_eq!(found(&still, 1e9, HEIGHT), [[(0, n_frames - 1)], [(0, n_frames - 1)]], "ages pass");
+        }
+    }
 }

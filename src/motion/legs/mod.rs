@@ -222,3 +222,297 @@ fn toe_below(skeleton: &Skeleton, ankle: JointId) -> usize {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::{bvh::Bvh, motion::ClipOptions, skeleton::Joint};
+
+    /// Builds a skeleton from lines of depth, name and offset; a line `end` is an end site.
+    fn skeleton(lines: &[(usize, &str, [f64; 3])]) -> Skeleton {
+        let mut joints: Vec<Joint> = Vec::new();
+        let mut chain: Vec<JointId> = Vec::new();
+        for &(depth, name, offset) in lines {
+            let offset = DVec3::from_array(offset);
+            chain.truncate(depth);
+            if name == "end" {
+                joints[chain[depth - 1].idx()].end_site = Some(offset);
+                continue;
+            }
+            let parent = chain.last().copied();
+            chain.push(JointId(joints.len() as u32));
+            joints.push(Joint { name: name.to_owned(), parent, offset, end_site: None });
+        }
+        Skeleton::new(joints)
+    }
+
+    /// Offsets of hip, knee, ankle, toe and tip on the left.
+    const LEG: [[f64; 3]; 5] =
+        [[1.0, 0.0, 0.0], [0.0, -4.0, 0.1], [0.0, -4.0, -0.2], [0.0, -0.6, 1.2], [0.0, 0.0, 0.5]];
+
+    /// A body with legs named in a style: names of hip, knee, ankle and toe, left then right; no toe where it is empty.
+    fn body(left: [&'static str; 4], right: [&'static str; 4]) -> Skeleton {
+        let mut lines = vec![
+            (0, "Hips", [0.0, 9.0, 0.0]),
+            (1, "Spine", [0.0, 2.0, 0.0]),
+            (2, "LeftArm", [1.5, 2.0, 0.0]),
+            (3, "LeftForeArm", [3.0, 0.0, 0.0]),
+            (4, "LeftHand", [3.0, 0.0, 0.0]),
+            (5, "end", [1.0, 0.0, 0.0]),
+        ];
+        for (names, sign) in [(right, -1.0), (left, 1.0)] {
+            let mirrored = LEG.map(|[x, y, z]| [sign * x, y, z]);
+            let names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).chain(["end"]).collect();
+            lines.extend((1..).zip(names).zip(mirrored).map(|((depth, name), offset)| (depth, name, offset)));
+        }
+        skeleton(&lines)
+    }
+
+    fn leg_names(skeleton: &Skeleton, leg: &Leg) -> [String; 4] {
+        [leg.hip.idx(), leg.knee.idx(), leg.ankle.idx(), leg.toe].map(|point| point_name(skeleton, point))
+    }
+
+    #[test]
+    fn legs_are_recognised_in_every_style_of_names() {
+        type Names = [&'static str; 4];
+        let styles: &[(&str, Names, Names)] = &[
+            (
+                "CMU",
+                ["LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToeBase"],
+                ["RightUpLeg", "RightLeg", "RightFoot", "RightToeBase"],
+            ),
+            (
+                "LAFAN1",
+                ["LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe"],
+                ["RightUpLeg", "RightLeg", "RightFoot", "RightToe"],
+            ),
+            (
+                "Mixamo",
+                ["mixamorig:LeftUpLeg", "mixamorig:LeftLeg", "mixamorig:LeftFoot", "mixamorig:LeftToeBase"],
+                ["mixamorig:RightUpLeg", "mixamorig:RightLeg", "mixamorig:RightFoot", "mixamorig:RightToeBase"],
+            ),
+            (
+                "Axis Neuron with a prefix",
+                ["Robot_LeftUpLeg", "Robot_LeftLeg", "Robot_LeftFoot", ""],
+                ["Robot_RightUpLeg", "Robot_RightLeg", "Robot_RightFoot", ""],
+            ),
+            (
+                "Bandai",
+                ["UpperLeg_L", "LowerLeg_L", "Foot_L", "Toes_L"],
+                ["UpperLeg_R", "LowerLeg_R", "Foot_R", "Toes_R"],
+            ),
+            ("Blender", ["thigh.L", "shin.L", "foot.L", "toe.L"], ["thigh.R", "shin.R", "foot.R", "toe.R"]),
+            (
+                "Rigify",
+                ["DEF-thigh.L.001", "DEF-shin.L", "DEF-foot.L", "DEF-toe.L"],
+                ["DEF-thigh.R.001", "DEF-shin.R", "DEF-foot.R", "DEF-toe.R"],
+            ),
+            (
+                "ours",
+                ["LeftHip", "LeftKnee", "LeftAnkle", "LeftToe"],
+                ["RightHip", "RightKnee", "RightAnkle", "RightToe"],
+            ),
+            (
+                "Biped",
+                ["Bip01 L Thigh", "Bip01 L Calf", "Bip01 L Foot", "Bip01 L Toe0"],
+                ["Bip01 R Thigh", "Bip01 R Calf", "Bip01 R Foot", "Bip01 R Toe0"],
+            ),
+            ("Poser", ["lThigh", "lShin", "lFoot", "lToe"], ["rThigh", "rShin", "rFoot", "rToe"]),
+            ("Unreal", ["thigh_l", "calf_l", "foot_l", "ball_l"], ["thigh_r", "calf_r", "foot_r", "ball_r"]),
+            (
+                "VRM",
+                ["J_Bip_L_UpperLeg", "J_Bip_L_LowerLeg", "J_Bip_L_Foot", "J_Bip_L_ToeBase"],
+                ["J_Bip_R_UpperLeg", "J_Bip_R_LowerLeg", "J_Bip_R_Foot", "J_Bip_R_ToeBase"],
+            ),
+            ("SMPL", ["L_Hip", "L_Knee", "L_Ankle", "L_Foot"], ["R_Hip", "R_Knee", "R_Ankle", "R_Foot"]),
+            ("MakeHuman", ["UpLeg_L", "LoLeg_L", "Foot_L", "Toe_L"], ["UpLeg_R", "LoLeg_R", "Foot_R", "Toe_R"]),
+            (
+                "VRChat",
+                ["Left leg", "Left knee", "Left ankle", "Left toe"],
+                ["Right leg", "Right knee", "Right ankle", "Right toe"],
+            ),
+            (
+                "without capitals",
+                ["leftupleg", "leftleg", "leftfoot", "lefttoe"],
+                ["rightupleg", "rightleg", "rightfoot", "righttoe"],
+            ),
+            ("letters only", ["lhip", "lknee", "lfoot", "ltoe"], ["rhip", "rknee", "rfoot", "rtoe"]),
+        ];
+        for &(style, left, right) in styles {
+            let body = body(left, right);
+            let legs = names::legs(&body);
+            assert_eq!(legs.iter().map(|leg| leg.side).collect::<Vec<_>>(), [Side::Left, Side::Right], "{style}");
+            for (leg, mut names) in legs.iter().zip([left.map(str::to_owned), right.map(str::to_owned)]) {
+                if names[3].is_empty() {
+                    names[3] = format!("{} end site", names[2]);
+                }
+                assert_eq!(leg_names(&body, leg), names, "{style}");
+            }
+        }
+    }
+
+    #[test]
+    fn helper_and_twist_joints_are_passed_over() {
+        let zero = [0.0; 3];
+        let check = |lines: &[(usize, &str, [f64; 3])], wanted: [&str; 4]| {
+            let skeleton = skeleton(lines);
+            let legs = names::legs(&skeleton);
+            assert_eq!(legs.len(), 1, "{lines:?}");
+            assert_eq!(leg_names(&skeleton, &legs[0]), wanted);
+        };
+        let [hip, knee, ankle, toe, tip] = LEG;
+        check(
+            &[
+                (0, "Hips", zero),
+                (1, "LHipJoint", zero),
+                (2, "LeftHip", hip),
+                (3, "LeftKnee", knee),
+                (4, "LeftAnkle", ankle),
+                (5, "LeftToe", toe),
+                (6, "end", tip),
+            ],
+            ["LeftHip", "LeftKnee", "LeftAnkle", "LeftToe"],
+        );
+        let middle = [0.0, -0.8, 0.0];
+        check(
+            &[
+                (0, "Root", zero),
+                (1, "__UpLeg_L", middle),
+                (2, "UpLeg_L", hip),
+                (3, "LoLeg_L", knee),
+                (4, "Foot_L", ankle),
+                (5, "end", toe),
+            ],
+            ["UpLeg_L", "LoLeg_L", "Foot_L", "Foot_L end site"],
+        );
+        let half = |v: [f64; 3]| v.map(|v| 0.5 * v);
+        check(
+            &[
+                (0, "root", zero),
+                (1, "pelvis.L", [0.5, 0.0, 0.0]),
+                (2, "upperleg01.L", hip),
+                (3, "upperleg02.L", half(knee)),
+                (4, "lowerleg01.L", half(knee)),
+                (5, "lowerleg02.L", half(ankle)),
+                (6, "foot.L", half(ankle)),
+                (7, "toe1-1.L", [-0.3, -0.6, 1.2]),
+                (7, "toe3-1.L", [0.0, -0.6, 1.2]),
+                (7, "toe5-1.L", [0.3, -0.6, 1.2]),
+                (7, "heel.L", [0.0, -0.6, -0.5]),
+            ],
+            ["upperleg01.L", "lowerleg01.L", "foot.L", "toe3-1.L"],
+        );
+        check(
+            &[
+                (0, "Hips", zero),
+                (1, "LeftUpLeg", hip),
+                (2, "LeftLeg", knee),
+                (3, "LeftFoot", ankle),
+                (4, "LeftFootHelper", zero),
+                (5, "end", toe),
+            ],
+            ["LeftUpLeg", "LeftLeg", "LeftFoot", "LeftFootHelper end site"],
+        );
+        check(
+            &[(0, "Hips", zero), (1, "LeftUpLeg", hip), (2, "LeftLeg", knee), (3, "LeftFoot", ankle), (4, "end", zero)],
+            ["LeftUpLeg", "LeftLeg", "LeftFoot", "LeftFoot"],
+        );
+    }
+
+    #[test]
+    fn names_that_are_not_legs_are_not_taken() {
+        let zero = [0.0; 3];
+        let arms =
+            skeleton(&[(0, "Bigfoot_Hips", zero), (1, "Bigfoot_LeftArm", LEG[0]), (2, "Bigfoot_LeftHand", LEG[1])]);
+        assert_eq!(names::legs(&arms), []);
+        let target =
+            skeleton(&[(0, "Root", zero), (1, "foot_ik.L", LEG[0]), (1, "thigh.L", LEG[0]), (2, "shin.L", LEG[1])]);
+        assert_eq!(names::legs(&target), []);
+    }
+
+    /// One frame of a skeleton that stands as it rests, its root at the origin.
+    fn standing(skeleton: &Skeleton) -> Clip {
+        fn write(skeleton: &Skeleton, id: JointId, text: &mut String) {
+            let joint = skeleton.joint(id);
+            let (keyword, DVec3 { x, y, z }) = (if joint.parent.is_some() { "JOINT" } else { "ROOT" }, joint.offset);
+            let name = &joint.name;
+            *text += &format!("{keyword} {name}\n{{\nOFFSET {x} {y} {z}\nCHANNELS 3 Zrotation Xrotation Yrotation\n");
+            for child in skeleton.children(id) {
+                write(skeleton, child, text);
+            }
+            if let Some(DVec3 { x, y, z }) = joint.end_site {
+                *text += &format!("End Site\n{{\nOFFSET {x} {y} {z}\n}}\n");
+            }
+            *text += "}\n";
+        }
+        let mut text = "HIERARCHY\n".to_owned();
+        write(skeleton, JointId(0), &mut text);
+        text += "MOTION\nFrames: 1\nFrame Time: 0.01\n";
+        text += &"0 ".repeat(3 * skeleton.n_joints());
+        let bvh = Bvh::parse(text.into_bytes(), "made up").expect("a file");
+        Clip::from_bvh(&bvh, &ClipOptions::default())
+    }
+
+    #[test]
+    fn without_names_shape_tells_legs_and_sides() {
+        let named = body(["a", "b", "c", "d"], ["e", "f", "g", "h"]);
+        let clip = standing(&named);
+        let found = find_legs(&clip, &[], &mut Vec::new());
+        let names: Vec<_> = found.value.iter().map(|leg| (leg.side, leg_names(&named, leg))).collect();
+        let wanted = |names: [&str; 4]| names.map(str::to_owned);
+        assert_eq!(
+            names,
+            [(Side::Left, wanted(["a", "b", "c", "d"])), (Side::Right, wanted(["e", "f", "g", "h"]))],
+            "{}",
+            found.why
+        );
+    }
+
+    #[test]
+    fn a_clip_without_legs_says_so() {
+        let snake = skeleton(&[
+            (0, "head", [0.0; 3]),
+            (1, "neck", [0.0, 0.0, 1.0]),
+            (2, "tail", [0.0, 0.0, 3.0]),
+            (3, "end", [0.0, 0.0, 1.0]),
+        ]);
+        let found = find_legs(&standing(&snake), &[], &mut Vec::new());
+        assert_eq!(found.value, []);
+        assert!(found.why.contains("no leg is named"), "{}", found.why);
+    }
+
+    fn asked(names: [&str; 4]) -> LegNames {
+        let [hip, knee, ankle, toe] = names.map(str::to_owned);
+        LegNames { side: Side::Left, hip, knee, ankle, toe: (!toe.is_empty()).then_some(toe) }
+    }
+
+    #[test]
+    fn asked_legs_are_taken_or_refused_with_words() {
+        let clip = standing(&body(["a", "b", "c", "d"], ["e", "f", "g", "h"]));
+        let find = |asked: &[LegNames]| {
+            let mut warnings = Vec::new();
+            let found = find_legs(&clip, asked, &mut warnings);
+            (found, warnings.join("\n"))
+        };
+        for (toe, wanted) in [("", "h"), ("h", "h"), ("h end site", "h end site"), ("g", "g")] {
+            let (found, warnings) = find(&[asked(["e", "f", "g", toe])]);
+            assert_eq!(found.why, "as asked", "{warnings}");
+            assert_eq!((found.value.len(), found.value[0].side), (1, Side::Left));
+            assert_eq!(point_name(&clip.skeleton, found.value[0].toe), wanted);
+        }
+        let refused: [(&[LegNames], &str); 5] = [
+            (&[asked(["x", "f", "g", ""])], "there is no joint \"x\" to be the left hip"),
+            (&[asked(["e", "f", "g", "y"])], "there is no joint \"y\" to be the left toe"),
+            (&[asked(["e", "b", "c", ""])], "\"b\" does not hang below \"e\""),
+            (&[asked(["e", "f", "g", "d"])], "\"d\" does not hang below \"g\""),
+            (&[asked(["e", "f", "g", ""]), asked(["e", "f", "g", ""])], "\"e\" is part of two legs"),
+        ];
+        for (names, words) in refused {
+            let (found, warnings) = find(names);
+            assert!(warnings.contains(words), "{warnings}");
+            assert_eq!(found.value.len(), 2, "guessed instead");
+        }
+    }
+}
