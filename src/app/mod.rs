@@ -1,3 +1,4 @@
-//! To be written.
+//! The running editor: its threads and its preview process.
 
+pub mod preview;
 pub mod signals;

@@ -3,6 +3,19 @@
 //! Angles here are degrees, positions the file's own unit and axes; [`crate::motion`] turns both into poses. The
 //! source text is kept, so that writing is copying: only rows and channels that changed are printed anew.
 
+mod cursor;
+mod error;
+mod hierarchy;
+mod number;
+mod parse;
+mod rows;
+mod write;
+
+use std::{ops::Range, sync::Arc};
+
+pub use error::{Expected, Found, ParseError, Warning, WarningKind};
+pub use write::{Digits, RowEdit};
+
 /// What one channel number does to its joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Channel {
@@ -18,6 +31,29 @@ pub enum Channel {
     Yrotation,
     /// Rotation about the joint's z axis, degrees.
     Zrotation,
+}
+
+impl Channel {
+    /// Names as the format has them, in the order of the variants.
+    const NAMES: [(&'static str, Self); 6] = [
+        ("Xposition", Self::Xposition),
+        ("Yposition", Self::Yposition),
+        ("Zposition", Self::Zposition),
+        ("Xrotation", Self::Xrotation),
+        ("Yrotation", Self::Yrotation),
+        ("Zrotation", Self::Zrotation),
+    ];
+
+    /// Returns the channel of this name, in any case.
+    fn from_name(name: &[u8]) -> Option<Self> {
+        let (_, channel) = Self::NAMES.iter().find(|(n, _)| name.eq_ignore_ascii_case(n.as_bytes()))?;
+        Some(*channel)
+    }
+
+    /// Tells whether the channel moves its joint rather than turning it.
+    pub fn is_position(self) -> bool {
+        matches!(self, Self::Xposition | Self::Yposition | Self::Zposition)
+    }
 }
 
 /// One joint as the header declares it.
@@ -40,15 +76,34 @@ pub struct BvhJoint {
 /// A parsed file: its text, its tree and its numbers.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    // text, row spans, warnings … private
+    text: Arc<[u8]>,
     joints: Vec<BvhJoint>,
     n_channels: usize,
+    /// None without MOTION, and when the number is no count.
+    declared_frames: Option<u64>,
+    /// The number after `Frames:`; empty at 0 without MOTION.
+    frame_count_span: Range<usize>,
     frame_time_secs: f64,
-    /// frames × channels, frame-major.
+    /// Where the motion's two opening lines have been read to; rows begin after it.
+    rows_from: usize,
+    /// Frames × channels, frame-major.
     values: Vec<f64>,
+    /// One for each frame, rising: where its values stand in the text.
+    row_spans: Vec<Range<usize>>,
+    warnings: Vec<Warning>,
 }
 
 impl Bvh {
+    /// Returns the file's bytes, as they were read.
+    pub fn text(&self) -> &Arc<[u8]> {
+        &self.text
+    }
+
+    /// Returns what is odd about the file, in the order of its lines.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
     /// Returns the joints, parents first, in the order of the file.
     pub fn joints(&self) -> &[BvhJoint] {
         &self.joints
@@ -61,10 +116,15 @@ impl Bvh {
 
     /// Returns the number of frames that were read.
     pub fn n_frames(&self) -> usize {
-        self.values.len().checked_div(self.n_channels).unwrap_or(0)
+        self.row_spans.len()
     }
 
-    /// Returns the seconds from one frame to the next, as written.
+    /// Returns the number after `Frames:`; none when the file has no such count.
+    pub fn declared_frames(&self) -> Option<u64> {
+        self.declared_frames
+    }
+
+    /// Returns the seconds from one frame to the next, as written: not always positive, and 0 without MOTION.
     pub fn frame_time_secs(&self) -> f64 {
         self.frame_time_secs
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     motion::ClipOptions,
-    path::{Degree, Integrator, ResidualFrame},
+    path::{Cycling, Degree, Integrator, ResidualFrame},
 };
 
 /// Everything the user has decided about a clip. Equal edits of equal sources give equal results.
@@ -94,14 +94,4 @@ impl Default for TimingEdits {
     fn default() -> Self {
         Self { arc_length: true, integrator: Integrator::Gauss, step: 0.001, cycling: Cycling::Off, speed: 1.0 }
     }
-}
-
-/// `timing.cycling`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Cycling {
-    /// The clip ends.
-    #[default]
-    Off,
-    /// The thesis's: the clip starts again where it ended.
-    Plain,
 }

@@ -3,5 +3,5 @@
 mod edits;
 mod solved;
 
-pub use edits::{ClipEdits, Cycling, Edits, HeadingEdits, OriginalEdits, PathEdits, ResidualEdits, TimingEdits};
+pub use edits::{ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, ResidualEdits, TimingEdits};
 pub use solved::{Solved, Source};

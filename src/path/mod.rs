@@ -1,4 +1,23 @@
 //! The path taken out of a clip and the motion carried along another one (METHOD 2 to 5).
+//!
+//! [`OriginalPath`] is fitted to the carrier, [`NewPath`] is drawn by the user, and both carry a moving frame, the
+//! [`PathFrame`]. [`Residuals`] are what the original path leaves over; [`Timing`] says where along the new path each
+//! edited frame stands; a residual applied in a new path's frame is the edited carrier. Everything here takes plain
+//! slices, y-up, in the clip's unit; nothing knows of joints.
+
+mod frame;
+mod heading;
+mod new_path;
+mod original;
+mod shapes;
+mod timing;
+
+pub use frame::{PathFrame, Residuals};
+pub use heading::Headings;
+pub use new_path::NewPath;
+pub use original::{MAX_DEGREE, OriginalPath, degree_cap};
+pub use shapes::{Shape, ShapeError, ShapeKind, shape_points, straight_line};
+pub use timing::{Cycling, Timing, TimingOptions};
 
 /// Degree of the original path's polynomials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,11 +50,3 @@ pub enum Integrator {
     /// The thesis's Euler steps.
     Euler,
 }
-
-/// The path fitted to a clip; to be written.
-#[derive(Clone, Debug)]
-pub struct OriginalPath {}
-
-/// The path to walk; to be written.
-#[derive(Clone, Debug)]
-pub struct NewPath {}

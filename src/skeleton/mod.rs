@@ -104,6 +104,16 @@ impl Skeleton {
         self.ids().filter(move |&c| self.joint(c).parent == Some(id))
     }
 
+    /// Tells for every joint whether it is `top` or hangs below it.
+    pub fn subtree(&self, top: JointId) -> Vec<bool> {
+        let mut within = vec![false; self.joints.len()];
+        within[top.idx()] = true;
+        for idx in top.idx() + 1..self.joints.len() {
+            within[idx] = self.joints[idx].parent.is_some_and(|p| within[p.idx()]);
+        }
+        within
+    }
+
     /// Tells whether `id` is `ancestor` or hangs below it.
     pub fn is_within(&self, id: JointId, ancestor: JointId) -> bool {
         let mut at = Some(id);

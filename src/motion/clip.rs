@@ -1,0 +1,112 @@
+//! `Clip`: a skeleton and its poses in y-up world space.
+//!
+//! Frames count from the first frame after the rest frames unless a name says `file`.
+
+use glam::{DQuat, DVec3};
+
+use super::{
+    facts::Facts,
+    kinematics::{self, Walk},
+    poses::Poses,
+    tracks::PointTracks,
+};
+use crate::{math::Rigid, skeleton::Skeleton};
+
+/// A skeleton and its poses, y-up, in the clip's length unit, at least one frame, without NaN.
+#[derive(Clone, Debug)]
+pub struct Clip {
+    /// The joint tree; offsets in y-up axes for roots, in joint space below.
+    pub skeleton: Skeleton,
+    /// Seconds from one frame to the next; positive.
+    pub frame_time_secs: f64,
+    /// What was found out.
+    pub facts: Facts,
+    /// What deserves the user's eye, one line each.
+    pub warnings: Vec<String>,
+    /// Rest frames included. Invariant: more frames than `facts.rest_frames`.
+    pub(super) poses: Poses,
+}
+
+impl Clip {
+    /// Returns the number of frames, rest frames not counted; at least 1.
+    pub fn n_frames(&self) -> usize {
+        self.poses.n_frames - self.rest_frames()
+    }
+
+    /// Returns the number of leading rest frames.
+    pub fn rest_frames(&self) -> usize {
+        self.facts.rest_frames.value
+    }
+
+    /// Returns the number of frames with the rest frames; at least 1, also for a file that has none.
+    pub fn n_file_frames(&self) -> usize {
+        self.poses.n_frames
+    }
+
+    /// Returns the frame's index in the file.
+    pub fn file_frame(&self, frame: usize) -> usize {
+        frame + self.rest_frames()
+    }
+
+    /// Returns the local rotations of all joints at a frame.
+    pub fn rotations(&self, frame: usize) -> &[DQuat] {
+        self.poses.rotations(self.file_frame(frame))
+    }
+
+    /// Returns where a joint stands in its parent's space at a frame.
+    pub fn translation(&self, frame: usize, joint_idx: usize) -> DVec3 {
+        self.poses.translation(self.file_frame(frame), joint_idx)
+    }
+
+    /// Returns a joint's local transform at a frame.
+    pub fn local(&self, frame: usize, joint_idx: usize) -> Rigid {
+        self.poses.local(self.file_frame(frame), joint_idx)
+    }
+
+    /// Fills `out` with the world motions of all joints at a frame.
+    pub fn world_rigids(&self, frame: usize, out: &mut Vec<Rigid>) {
+        kinematics::world_rigids(&self.skeleton, &self.poses, self.file_frame(frame), None, out);
+    }
+
+    /// Fills `out` with the world positions of all points at a frame: joints, then end sites.
+    pub fn world_points(&self, frame: usize, out: &mut Vec<DVec3>) {
+        let mut rigids = Vec::with_capacity(self.skeleton.n_joints());
+        self.world_rigids(frame, &mut rigids);
+        kinematics::points(&self.skeleton, &rigids, out);
+    }
+
+    /// Returns where the carrier is at a frame, in the world.
+    pub fn carrier_world(&self, frame: usize) -> Rigid {
+        kinematics::world_of(&self.skeleton, &self.poses, self.file_frame(frame), self.facts.carrier.value)
+    }
+
+    /// Returns where the carrier is at every frame, in the world.
+    pub fn carrier_track(&self) -> Vec<Rigid> {
+        let file_frames = self.rest_frames()..self.n_file_frames();
+        Walk::chain(&self.skeleton, self.facts.carrier.value).last_rigids(&self.poses, file_frames)
+    }
+
+    /// Returns the world positions of all points at every frame.
+    pub fn world_tracks(&self) -> PointTracks {
+        Walk::whole(&self.skeleton).tracks(&self.poses, self.rest_frames()..self.n_file_frames())
+    }
+}
+
+/// The body as its carrier sees it: every point of the carrier's subtree, in the carrier's own space, at every frame.
+///
+/// An edited clip moves the carrier and leaves this alone, so `carrier_world.point(relative)` is all there is to its
+/// points.
+#[derive(Clone, Debug)]
+pub struct CarrierRelative {
+    /// Skeleton's point index of each point here; the carrier comes first.
+    pub points: Vec<usize>,
+    /// Positions in the carrier's space, by the order of `points`.
+    pub tracks: PointTracks,
+}
+
+/// Computes the carrier's body in the carrier's space. One pass over the clip; keep the result.
+pub fn carrier_relative(clip: &Clip) -> CarrierRelative {
+    let walk = Walk::below(&clip.skeleton, clip.facts.carrier.value);
+    let tracks = walk.tracks(&clip.poses, clip.rest_frames()..clip.n_file_frames());
+    CarrierRelative { points: walk.points, tracks }
+}

@@ -1,0 +1,81 @@
+//! `EditedClip`: a clip along another path.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+
+use super::{Clip, kinematics};
+use crate::math::Rigid;
+
+/// A clip along another path: which frame of the clip each frame shows, and where its carrier is.
+///
+/// Everything not named here is the clip's own: joints outside the carrier's subtree stay where they are. Frames are
+/// those that would be exported, rest frames not included.
+#[derive(Clone, Debug)]
+pub struct EditedClip {
+    /// The clip as loaded.
+    pub clip: Arc<Clip>,
+    /// Clip frame shown at each edited frame, counted without rest frames.
+    pub source_frames: Vec<u32>,
+    /// World motion of the carrier at each edited frame; empty when the path edit is off or impossible (source poses).
+    pub carrier_world: Vec<Rigid>,
+}
+
+impl EditedClip {
+    /// Makes an edited clip that is the clip itself.
+    pub fn unedited(clip: Arc<Clip>) -> Self {
+        let source_frames = (0..clip.n_frames() as u32).collect();
+        Self { clip, source_frames, carrier_world: Vec::new() }
+    }
+
+    /// Returns the number of edited frames.
+    pub fn n_frames(&self) -> usize {
+        self.source_frames.len()
+    }
+
+    /// Returns the frame of the clip that an edited frame shows.
+    pub fn source_frame(&self, frame: usize) -> usize {
+        self.source_frames[frame] as usize
+    }
+
+    /// Returns where the carrier is, in the world.
+    pub fn carrier(&self, frame: usize) -> Rigid {
+        match self.carrier_world.get(frame) {
+            Some(&world) => world,
+            None => self.clip.carrier_world(self.source_frame(frame)),
+        }
+    }
+
+    /// Returns the local rotations of all joints but the carrier's, which follows from where it is.
+    pub fn rotations(&self, frame: usize) -> &[DQuat] {
+        self.clip.rotations(self.source_frame(frame))
+    }
+
+    /// Fills `out` with the world motions of all joints.
+    pub fn world_rigids(&self, frame: usize, out: &mut Vec<Rigid>) {
+        let placed = self.carrier_world.get(frame).map(|&world| (self.clip.facts.carrier.value, world));
+        let file_frame = self.clip.file_frame(self.source_frame(frame));
+        kinematics::world_rigids(&self.clip.skeleton, &self.clip.poses, file_frame, placed, out);
+    }
+
+    /// Fills `out` with the world positions of all points: joints, then end sites.
+    pub fn world_points(&self, frame: usize, out: &mut Vec<DVec3>) {
+        let mut rigids = Vec::with_capacity(self.clip.skeleton.n_joints());
+        self.world_rigids(frame, &mut rigids);
+        kinematics::points(&self.clip.skeleton, &rigids, out);
+    }
+
+    /// Returns the carrier's local transform, in its parent's space.
+    pub fn carrier_local(&self, frame: usize) -> Rigid {
+        let carrier = self.clip.facts.carrier.value;
+        let source_frame = self.source_frame(frame);
+        let Some(&world) = self.carrier_world.get(frame) else { return self.clip.local(source_frame, carrier.idx()) };
+        match self.clip.skeleton.joint(carrier).parent {
+            None => world,
+            Some(parent) => {
+                let file_frame = self.clip.file_frame(source_frame);
+                kinematics::world_of(&self.clip.skeleton, &self.clip.poses, file_frame, parent).inverse() * world
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Edited clip → BVH: the source's characters, but for the carrier's channels where the carrier moved.
+//!
+//! Values are written in the meaning they were read in (OFFSET replaced or added to), in the file's axes, in the
+//! joint's own rotation order and on the branch of angles that continues the frame before.
+
+use std::ops::Range;
+
+use glam::{DQuat, DVec3};
+
+use super::{
+    Clip, EditedClip, OffsetMeaning, UpAxis, carrier_relative, channels::JointChannels, euler::nearest_degrees,
+};
+use crate::{
+    bvh::{Bvh, Digits, RowEdit},
+    math::Rigid,
+};
+
+/// No joint moves by more than this share of the body height when the written file is read again.
+const ACCURACY: f64 = 1e-6;
+
+/// Writes an edited clip as BVH: the rest frames as they were, then every edited frame.
+///
+/// `bvh` is the file the clip was read from. Without an edit the result is the file, byte for byte. A file without
+/// frames comes back as it is.
+///
+/// # Panics
+///
+/// When the clip was not read from `bvh`, or its carrier is moved although its path cannot be edited.
+pub fn to_bvh(bvh: &Bvh, edited: &EditedClip) -> Vec<u8> {
+    let clip = &*edited.clip;
+    if bvh.n_frames() == 0 {
+        return bvh.text().to_vec();
+    }
+    assert_eq!(bvh.n_frames(), clip.n_file_frames(), "the clip was read from this file");
+    let mut changes: Vec<(usize, f64)> = Vec::new();
+    let mut rows: Vec<(usize, Range<usize>)> = (0..clip.rest_frames()).map(|row| (row, 0..0)).collect();
+    let mut writer = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip));
+    for frame in 0..edited.n_frames() {
+        let source_row = clip.file_frame(edited.source_frame(frame));
+        let first = changes.len();
+        if let Some(writer) = &mut writer {
+            writer.write(bvh.frame(source_row), edited.source_frame(frame), edited.carrier_local(frame), &mut changes);
+        }
+        rows.push((source_row, first..changes.len()));
+    }
+    let digits = writer.map_or(Digits { position_decimals: 6, rotation_decimals: 6 }, |writer| writer.digits);
+    let rows: Vec<RowEdit> =
+        rows.into_iter().map(|(source_row, changed)| RowEdit { source_row, changed: &changes[changed] }).collect();
+    bvh.write_rows(&rows, digits)
+}
+
+/// Turns the carrier's local transforms into its channels, frame after frame.
+struct CarrierWriter<'a> {
+    clip: &'a Clip,
+    channels: JointChannels,
+    /// Axes of the three rotation channels, in file order.
+    axes: [usize; 3],
+    /// Up axis to undo: the file's for a root, none below.
+    up: UpAxis,
+    /// Added to the position channels on reading.
+    base: DVec3,
+    digits: Digits,
+    /// Rotation channels of the frame written last.
+    last_degrees: Option<[f64; 3]>,
+}
+
+impl<'a> CarrierWriter<'a> {
+    fn new(bvh: &Bvh, clip: &'a Clip) -> Self {
+        assert!(clip.facts.path_editable, "only a carrier with six channels is moved");
+        let carrier = clip.facts.carrier.value;
+        let joint = &bvh.joints()[carrier.idx()];
+        let channels = JointChannels::new(&joint.channels, joint.first_channel);
+        let axes = std::array::from_fn(|i| channels.rotations[i].0);
+        let (up, meaning) = match joint.parent {
+            None => (clip.facts.up.value, clip.facts.root_offset.value),
+            Some(_) => (UpAxis::Y, clip.facts.joint_offsets.value),
+        };
+        let base = match meaning {
+            OffsetMeaning::Replace => DVec3::ZERO,
+            OffsetMeaning::Add => up.to_file(clip.skeleton.joint(carrier).offset),
+        };
+        Self { clip, channels, axes, up, base, digits: digits(clip), last_degrees: None }
+    }
+
+    /// Appends the channels of one frame that differ from the source row, in rising order.
+    fn write(&mut self, row: &[f64], source_frame: usize, local: Rigid, changes: &mut Vec<(usize, f64)>) {
+        let source = self.clip.local(source_frame, self.clip.facts.carrier.value.idx());
+        let first = changes.len();
+        let position = self.up.to_file(local.translation) - self.base;
+        let unseen = half_a_digit(self.digits.position_decimals);
+        for (axis, column) in self.channels.positions.iter().enumerate() {
+            let column = column.expect("the carrier has three position channels");
+            // What is no number in the source is never within a digit, so it is written anew.
+            let is_kept = (position[axis] - row[column]).abs() <= unseen;
+            if !is_kept {
+                changes.push((column, position[axis]));
+            }
+        }
+        self.write_rotation(row, source.rotation, local.rotation, changes);
+        changes[first..].sort_unstable_by_key(|&(column, _)| column);
+    }
+
+    fn write_rotation(&mut self, row: &[f64], source: DQuat, rotation: DQuat, changes: &mut Vec<(usize, f64)>) {
+        let columns: [usize; 3] = std::array::from_fn(|i| self.channels.rotations[i].1);
+        let source_degrees = columns.map(|column| row[column]);
+        let unseen = half_a_digit(self.digits.rotation_decimals);
+        let is_source = angle_between(source, rotation).to_degrees() <= unseen;
+        if is_source && source_degrees.iter().all(|d| d.is_finite()) {
+            self.last_degrees = Some(source_degrees);
+            return;
+        }
+        let near = self.last_degrees.unwrap_or(source_degrees).map(|d| if d.is_finite() { d } else { 0.0 });
+        let degrees = nearest_degrees(self.axes, self.up.world_rotation().conjugate() * rotation, near);
+        for ((column, value), source) in columns.into_iter().zip(degrees).zip(source_degrees) {
+            let is_kept = (value - source).abs() <= unseen;
+            if !is_kept {
+                changes.push((column, value));
+            }
+        }
+        self.last_degrees = Some(degrees);
+    }
+}
+
+/// Returns how many decimals keep every joint within [`ACCURACY`].
+///
+/// A third of it is for positions and a third for rotations; a channel that keeps its source characters because it
+/// changed by less than half a digit is off as much as one that is rounded, so it is within the same bounds.
+fn digits(clip: &Clip) -> Digits {
+    let share = ACCURACY * clip.facts.height.value / 3.0;
+    let relative = carrier_relative(clip).tracks;
+    let reach = (0..relative.n_points())
+        .flat_map(|point| relative.x(point).iter().zip(relative.y(point)).zip(relative.z(point)))
+        .map(|((x, y), z)| x * x + y * y + z * z)
+        .fold(0.0, f64::max)
+        .sqrt();
+    // The three axes together are off by √3 times half a digit, the three angles by 3 times half a digit at most.
+    let position = share / (3f64.sqrt() / 2.0);
+    let rotation = (share / reach.max(share) / 1.5).to_degrees();
+    Digits { position_decimals: decimals(position), rotation_decimals: decimals(rotation) }
+}
+
+/// Returns the decimals whose last digit is worth no more than `size`.
+fn decimals(size: f64) -> usize {
+    // f64 has no more to give, whatever the body's size.
+    const MOST: f64 = 17.0;
+    (-size.log10()).ceil().clamp(0.0, MOST) as usize
+}
+
+fn half_a_digit(decimals: usize) -> f64 {
+    0.5 * 10f64.powi(-(decimals as i32))
+}
+
+/// Returns the angle of the rotation from one orientation to the other, radians; exact for small angles too.
+fn angle_between(a: DQuat, b: DQuat) -> f64 {
+    let turn = a.conjugate() * b;
+    2.0 * turn.xyz().length().atan2(turn.w.abs())
+}

@@ -1,0 +1,67 @@
+//! Positions of points over frames, laid out for loops over frames.
+//!
+//! ```text
+//! x: | point 0: frame 0 … F−1, pad | point 1: frame 0 … F−1, pad | …      y, z alike
+//! ```
+
+use glam::DVec3;
+
+/// Positions, points × frames, point-major, one array per axis.
+#[derive(Clone, Debug, Default)]
+pub struct PointTracks {
+    n_points: usize,
+    n_frames: usize,
+    /// Distance from one point to the next; an odd number of cache lines, so that the points of one frame do not
+    /// compete for the same few places of the cache.
+    stride: usize,
+    pub(super) x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) z: Vec<f64>,
+}
+
+impl PointTracks {
+    /// Makes tracks with every position at the origin.
+    pub(super) fn new(n_points: usize, n_frames: usize) -> Self {
+        const CACHE_LINE: usize = 8;
+        let stride = (n_frames.div_ceil(CACHE_LINE) | 1) * CACHE_LINE;
+        let axis = || vec![0.0; n_points * stride];
+        Self { n_points, n_frames, stride, x: axis(), y: axis(), z: axis() }
+    }
+
+    /// Returns the index of a position in the three arrays.
+    pub(super) fn at(&self, point: usize, frame: usize) -> usize {
+        point * self.stride + frame
+    }
+
+    /// Returns the number of points.
+    pub fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    /// Returns the number of frames.
+    pub fn n_frames(&self) -> usize {
+        self.n_frames
+    }
+
+    /// Returns a point's x over all frames.
+    pub fn x(&self, point: usize) -> &[f64] {
+        &self.x[point * self.stride..][..self.n_frames]
+    }
+
+    /// Returns a point's y over all frames.
+    pub fn y(&self, point: usize) -> &[f64] {
+        &self.y[point * self.stride..][..self.n_frames]
+    }
+
+    /// Returns a point's z over all frames.
+    pub fn z(&self, point: usize) -> &[f64] {
+        &self.z[point * self.stride..][..self.n_frames]
+    }
+
+    /// Returns one position.
+    pub fn position(&self, point: usize, frame: usize) -> DVec3 {
+        assert!(frame < self.n_frames, "frame {frame} of {}", self.n_frames);
+        let at = self.at(point, frame);
+        DVec3::new(self.x[at], self.y[at], self.z[at])
+    }
+}
