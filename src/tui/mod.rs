@@ -5,7 +5,7 @@
 //! struct of plain fields that draws itself into an area of cells and keeps nothing.
 //!
 //! Nothing here decides: no widget knows a command, no widget changes anything. Colours go through one
-//! [`Palette`](colour::Palette), and no meaning hangs on a colour alone.
+//! [`Palette`], and no meaning hangs on a colour alone.
 
 pub mod braille;
 pub mod chart;
