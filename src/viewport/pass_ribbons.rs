@@ -1,0 +1,81 @@
+//! Curves of constant width on the screen.
+//!
+//! One instance is one segment, expanded to a quad by the vertex shader. Drawn after everything solid, tested against
+//! depth but not written to it, so that the smooth edges of neighbours do not cut into each other.
+
+use std::rc::Rc;
+
+use ash::vk;
+
+use super::{
+    batch::Segment,
+    buffer::Instances,
+    device::Device,
+    error::GpuError,
+    pipeline::{Depth, Layouts, Pipeline, PipelineSpec, VertexBuffer},
+};
+
+/// Draws the curves of a view.
+pub(super) struct RibbonPass {
+    pipeline: Pipeline,
+    segments: Instances,
+    device: Rc<Device>,
+}
+
+impl RibbonPass {
+    /// Makes the pass.
+    ///
+    /// # Errors
+    ///
+    /// When the driver cannot make the pipeline or memory has run out.
+    pub(super) fn new(device: &Rc<Device>, layouts: &Layouts, samples: vk::SampleCountFlags) -> Result<Self, GpuError> {
+        let segment = VertexBuffer {
+            stride: size_of::<Segment>(),
+            rate: vk::VertexInputRate::INSTANCE,
+            attributes: &[
+                (0, vk::Format::R32G32B32A32_SFLOAT, 0),
+                (1, vk::Format::R32G32B32A32_SFLOAT, 16),
+                (2, vk::Format::R32G32B32A32_SFLOAT, 32),
+                (3, vk::Format::R32G32_SFLOAT, 48),
+            ],
+        };
+        let spec = PipelineSpec {
+            code: include_bytes!(concat!(env!("OUT_DIR"), "/ribbons.spv")),
+            vertex: c"vertex",
+            fragment: Some(c"fragment"),
+            layout: layouts.view,
+            buffers: &[segment],
+            topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
+            samples,
+            cull: false,
+            depth: Depth::Test,
+            blend: true,
+        };
+        let pipeline = Pipeline::new(device, &spec)?;
+        Ok(Self { pipeline, segments: Instances::new(device)?, device: Rc::clone(device) })
+    }
+
+    /// Replaces the curves; the device must not be drawing them.
+    ///
+    /// # Errors
+    ///
+    /// When memory has run out.
+    pub(super) fn set(&mut self, segments: &[Segment]) -> Result<(), GpuError> {
+        self.segments.set(segments)
+    }
+
+    /// Records the drawing; a view is bound.
+    pub(super) fn draw(&self, commands: vk::CommandBuffer) {
+        if self.segments.count() == 0 {
+            return;
+        }
+        let device = &self.device.handle;
+        // SAFETY: recorded inside rendering to the format and samples that the pipeline was made for; the buffer holds
+        // `count` instances of the stride it was told.
+        unsafe {
+            device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, self.pipeline.handle);
+            device.cmd_bind_vertex_buffers(commands, 0, &[self.segments.handle()], &[0]);
+            device.cmd_draw(commands, 4, self.segments.count(), 0, 0);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Scenes of literal numbers: no clip, no solver, no sine from the machine's mathematics library.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use walkabout::scene::{
+    Body, Camera, Curve, Ground, Label, Limb, Mark, Now, Projection, Role, Scene, Still, Stroke, View,
+};
+
+/// A walking pose, metres, at the origin, facing +z; x is to the left.
+const POSE: [[f64; 3]; 19] = [
+    [0.0, 0.95, 0.0],
+    [0.0, 1.10, 0.01],
+    [0.0, 1.28, 0.02],
+    [0.0, 1.47, 0.03],
+    [0.0, 1.63, 0.06],
+    [0.09, 0.92, 0.0],
+    [0.10, 0.52, 0.12],
+    [0.10, 0.09, 0.30],
+    [0.11, 0.04, 0.45],
+    [-0.09, 0.92, 0.0],
+    [-0.10, 0.50, -0.06],
+    [-0.10, 0.16, -0.38],
+    [-0.11, 0.04, -0.25],
+    [0.19, 1.42, 0.02],
+    [0.24, 1.14, -0.11],
+    [0.25, 0.91, -0.10],
+    [-0.19, 1.42, 0.02],
+    [-0.23, 1.15, 0.08],
+    [-0.23, 0.98, 0.27],
+];
+
+/// Limbs of the pose: from, to, radius.
+const LIMBS: [(u32, u32, f64); 19] = [
+    (0, 1, 0.085),
+    (1, 2, 0.09),
+    (2, 3, 0.055),
+    (3, 4, 0.095),
+    (0, 5, 0.075),
+    (0, 9, 0.075),
+    (5, 6, 0.065),
+    (6, 7, 0.05),
+    (7, 8, 0.04),
+    (9, 10, 0.065),
+    (10, 11, 0.05),
+    (11, 12, 0.04),
+    (2, 13, 0.06),
+    (2, 16, 0.06),
+    (13, 14, 0.042),
+    (14, 15, 0.035),
+    (16, 17, 0.042),
+    (17, 18, 0.035),
+    (4, 4, 0.11),
+];
+
+/// The pose's points at a place, turned so that it faces (`sin`, `cos`).
+fn actor(x: f64, z: f64, (sin, cos): (f64, f64)) -> Vec<DVec3> {
+    POSE.iter().map(|&[px, py, pz]| DVec3::new(x + px * cos + pz * sin, py, z - px * sin + pz * cos)).collect()
+}
+
+fn body(role: Role) -> Body {
+    Body { role, limbs: LIMBS.iter().map(|&(from, to, radius)| Limb { from, to, radius }).collect() }
+}
+
+fn at(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// A curve over the ground: x and z are cubic in t from 0 to 1.
+fn cubic(role: Role, stroke: Stroke, x: [f64; 4], z: [f64; 4]) -> Curve {
+    let value = |c: [f64; 4], t: f64| c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+    let point = |i: u32| {
+        let t = f64::from(i) / 64.0;
+        at(value(x, t), 0.0, value(z, t))
+    };
+    Curve { role, stroke, points: (0..=64).map(point).collect() }
+}
+
+fn label(role: Role, text: &str, at: DVec3) -> Label {
+    Label { role, at, text: text.to_owned() }
+}
+
+/// Cameras as the presets have them: three-quarter, front, side, top.
+pub(crate) fn cameras() -> [View; 4] {
+    let view = |title: &str, eye, target, up, projection| View {
+        camera: Camera { eye, target, up, projection },
+        title: title.to_owned(),
+    };
+    let perspective = Projection::Perspective { fov_y_rad: 0.7 };
+    let parallel = Projection::Orthographic { height: 5.2 };
+    let middle = at(0.0, 0.8, 2.6);
+    [
+        view("1 three-quarter", at(5.4, 2.7, 8.6), at(0.3, 0.65, 2.6), DVec3::Y, perspective),
+        view("2 front", at(0.0, 0.8, 20.0), middle, DVec3::Y, parallel),
+        view("3 side", at(20.0, 0.8, 2.6), middle, DVec3::Y, parallel),
+        view("4 top", at(0.0, 20.0, 2.6), middle, DVec3::NEG_Z, Projection::Orthographic { height: 7.5 }),
+    ]
+}
+
+/// Two actors, both paths, control points with their polygon, trackers, labels and ground.
+pub(crate) fn full() -> Scene {
+    let control = [at(0.0, 0.0, -0.6), at(-2.6, 0.0, 1.0), at(2.9, 0.35, 3.2), at(0.4, 0.0, 5.4)];
+    let mark = |role, at, radius| Mark { role, at, radius };
+    Scene {
+        still: Arc::new(Still {
+            revision: 1,
+            body_height: 1.75,
+            bodies: vec![body(Role::OriginalSkeleton), body(Role::NewSkeleton)],
+            curves: vec![
+                cubic(Role::OriginalPath, Stroke::Dashed, [0.0, 0.2, -0.1, 0.0], [-0.6, 6.0, 0.0, 0.0]),
+                cubic(Role::NewPath, Stroke::Solid, [0.0, -7.8, 19.5, -11.3], [-0.6, 4.8, 1.8, -0.6]),
+                Curve { role: Role::ControlPoint, stroke: Stroke::Solid, points: control.to_vec() },
+            ],
+            marks: vec![
+                mark(Role::ControlPoint, control[0], 0.08),
+                mark(Role::ControlPoint, control[1], 0.08),
+                mark(Role::SelectedControlPoint, control[2], 0.09),
+                mark(Role::ControlPoint, control[3], 0.08),
+            ],
+            labels: vec![
+                label(Role::ControlPoint, "2", control[1] + DVec3::Y * 0.1),
+                label(Role::SelectedControlPoint, "3 selected", control[2] + DVec3::Y * 0.1),
+            ],
+            ground: Some(Ground { height: 0.0, centre: at(0.0, 0.0, 2.4), half_extent: 14.0, cell: 0.5 }),
+        }),
+        now: Now {
+            actors: vec![actor(0.064, 1.8, (0.0, 1.0)), actor(0.52, 4.41, (0.13, 0.9915))],
+            marks: vec![
+                mark(Role::OriginalTracker, at(0.064, 0.07, 1.8), 0.07),
+                mark(Role::NewTracker, at(0.52, 0.07, 4.41), 0.07),
+            ],
+            labels: vec![
+                label(Role::OriginalSkeleton, "original", at(0.064, 1.78, 1.8)),
+                label(Role::NewSkeleton, "new", at(0.52, 1.78, 4.41)),
+            ],
+            views: vec![cameras()[0].clone()],
+            caption: "frame 212 of 480 · 1.77 s · 1.00×".to_owned(),
+        },
+    }
+}
+
+/// Feet from near by: they stand on the ground and cast shadows that touch them.
+pub(crate) fn feet() -> Scene {
+    let mut scene = full();
+    scene.now.views[0].title = "feet".to_owned();
+    scene.now.views[0].camera = Camera {
+        eye: at(2.1, 0.8, 5.6),
+        target: at(0.6, 0.25, 4.3),
+        up: DVec3::Y,
+        projection: Projection::Perspective { fov_y_rad: 0.6 },
+    };
+    scene.now.caption = String::new();
+    scene
+}
+
+/// Ribbons at their worst: a sharp zig-zag, a long dash behind the eye, points that coincide, one point alone.
+pub(crate) fn ribbons() -> Scene {
+    let curve = |role, stroke, points: Vec<DVec3>| Curve { role, stroke, points };
+    let zigzag = (0..9).map(|i| at(f64::from(i) * 0.5 - 2.0, f64::from(i % 2) * 0.8 + 0.4, 0.0)).collect();
+    Scene {
+        still: Arc::new(Still {
+            revision: 2,
+            body_height: 1.75,
+            bodies: vec![],
+            curves: vec![
+                curve(Role::NewPath, Stroke::Solid, zigzag),
+                curve(Role::OriginalPath, Stroke::Dashed, vec![at(-0.5, 0.1, -30.0), at(0.3, 0.1, 30.0)]),
+                curve(Role::Trace, Stroke::Solid, vec![at(1.0, 1.6, 0.0); 3]),
+                curve(Role::Trace, Stroke::Solid, vec![at(1.5, 1.6, 0.0)]),
+                curve(Role::Footprint, Stroke::Dashed, vec![at(-2.0, 1.7, 0.0), at(2.0, 1.7, 0.0)]),
+            ],
+            marks: vec![],
+            labels: vec![],
+            ground: None,
+        }),
+        now: Now {
+            actors: vec![],
+            marks: vec![],
+            labels: vec![],
+            views: vec![View {
+                camera: Camera {
+                    eye: at(0.4, 1.2, 5.0),
+                    target: at(0.0, 0.8, 0.0),
+                    up: DVec3::Y,
+                    projection: Projection::Perspective { fov_y_rad: 0.6 },
+                },
+                title: String::new(),
+            }],
+            caption: String::new(),
+        },
+    }
+}
+
+/// Nothing to see: no bodies, no ground, no curves; only sky and a title.
+pub(crate) fn nothing() -> Scene {
+    let mut scene = ribbons();
+    let still = Arc::make_mut(&mut scene.still);
+    still.revision = 3;
+    still.curves.clear();
+    scene.now.views[0].title = "nothing".to_owned();
+    scene
+}
