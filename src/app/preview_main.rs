@@ -132,7 +132,8 @@ fn requests_of_messages() -> impl FnMut(ToPreview) -> Option<Request> {
     }
 }
 
-/// Starts the thread that reads the link into a mailbox. When the link breaks, the reason is sent before the mailbox is closed.
+/// Starts the thread that reads the link into a mailbox. When the link breaks, the reason is sent before the mailbox is
+/// closed.
 fn read_into<T: Send + 'static>(
     mailbox: Mailbox<T>,
     input: File,
