@@ -1,4 +1,5 @@
 //! The running editor: its threads and its preview process.
 
 pub mod preview;
+pub mod preview_main;
 pub mod signals;
