@@ -1,17 +1,22 @@
-//! walkabout.
+//! The walkabout program: reads the command line and starts the editor, a preview or a headless run.
 
 use std::process::ExitCode;
 
-use walkabout::app::preview_main::{self, Mode};
+use clap::Parser as _;
+use walkabout::{
+    app::{self, preview_main::{self, Mode}},
+    cli::{self, Args, Verb},
+    editor::Editor,
+};
 
 fn main() -> ExitCode {
-    let args: Vec<_> = std::env::args_os().skip(1).collect();
-    match args.iter().map(|arg| arg.to_str()).collect::<Vec<_>>()[..] {
-        [Some("preview")] => preview_main::run(Mode::Window),
-        [Some("preview"), Some("--headless")] => preview_main::run(Mode::Headless),
-        _ => {
-            eprintln!("usage: walkabout preview [--headless]");
-            ExitCode::from(2)
-        }
+    let args = Args::parse();
+    match &args.verb {
+        None => match cli::open(&args.clip) {
+            Ok((document, warnings)) => app::edit(Editor::new(document, warnings)),
+            Err(failure) => cli::finish(Err(failure)),
+        },
+        Some(Verb::Preview { headless }) => preview_main::run(if *headless { Mode::Headless } else { Mode::Window }),
+        Some(verb) => cli::run(verb),
     }
 }
