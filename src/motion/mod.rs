@@ -17,6 +17,7 @@ mod poses;
 mod to_bvh;
 mod tracks;
 
+pub use channels::local_rotations;
 pub use clip::{CarrierRelative, Clip, carrier_relative};
 pub use edited::EditedClip;
 pub use facts::{Decided, Facts};
