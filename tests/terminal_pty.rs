@@ -56,14 +56,22 @@ fn main() -> ExitCode {
         ("a_stop_from_outside_resumes", a_stop_from_outside_resumes),
         ("a_pipe_is_refused", a_pipe_is_refused),
     ];
-    let mut failed = 0;
+    let (mut n_passed, mut n_failed) = (0, 0);
     for (name, test) in tests.iter().filter(|(name, _)| filters.is_empty() || filters.iter().any(|f| name.contains(f)))
     {
         let passed = catch_unwind(AssertUnwindSafe(test)).is_ok();
         println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
-        failed += u32::from(!passed);
+        if passed {
+            n_passed += 1;
+        } else {
+            n_failed += 1;
+        }
     }
-    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    // As cargo's own test programs say it, for those who count results.
+    let word = if n_failed == 0 { "ok" } else { "FAILED" };
+    let n_left_out = tests.len() - n_passed - n_failed;
+    println!("\ntest result: {word}. {n_passed} passed; {n_failed} failed; {n_left_out} filtered out");
+    if n_failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 // The guest: runs inside the pseudo-terminal.

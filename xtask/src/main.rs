@@ -1,7 +1,7 @@
 //! Project tasks, started as `cargo xtask TASK`.
 //!
 //! One task to a file. [`needs`] decides what is missing on a machine from the description in [`system`]; [`setup`]
-//! acts on that decision; [`run`], [`test`], [`bench`] and [`bless`] are what people type. Only the standard library
+//! acts on that decision; [`mod@run`], [`mod@test`], [`mod@bench`] and [`mod@bless`] are what people type. Only the standard library
 //! is used, so that the first command on a bare machine answers within seconds.
 
 use std::process::ExitCode;

@@ -35,11 +35,12 @@ mod tests {
             "running 5 tests",
             "test a::b ... ok",
             "test result: ok. 5 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.01s",
+            "test result: ok. 4 passed; 0 failed; 14 filtered out",
             "test prints a test result: ok. 90 passed; 9 failed;",
             "test result: FAILED. 12 passed; 3 failed; 1 ignored; 0 measured; 0 filtered out; finished in 2.50s",
         ] {
             tally.read(line);
         }
-        assert_eq!(tally, Tally { passed: 17, failed: 3 });
+        assert_eq!(tally, Tally { passed: 21, failed: 3 });
     }
 }
