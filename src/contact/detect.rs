@@ -50,6 +50,12 @@ const PAUSE_SECS: f64 = 0.25;
 /// How much higher, body heights.
 const PAUSE_HEIGHT: f64 = 0.02;
 
+/// A foot that moves between two plants without leaving this circle, body heights …
+const STEP_LENGTH: f64 = 0.05;
+
+/// … and without being lifted by this, body heights, pivots or settles: no step, one plant.
+const STEP_HEIGHT: f64 = 0.03;
+
 /// Shortest stretch off the floor, seconds; at the top of a jump feet are slow for 0.05 s.
 const SHORTEST_RAISED_SECS: f64 = 0.2;
 
@@ -112,8 +118,9 @@ impl Detection<'_> {
         }
         let mut found = runs(&stands, true);
         found.retain(|run| run.len() >= n_shortest);
-        let found = self.without_pauses(found, &joints);
-        found.iter().map(|run| Plant::new(run.start, run.end - 1)).collect()
+        self.keep_standing(&mut found, &joints);
+        self.join_pivots(&mut found, &joints);
+        found.into_iter().map(|run| self.trimmed(run, leg, slow_below)).collect()
     }
 
     /// Finds the stretches over which one joint stands.
@@ -138,23 +145,66 @@ impl Detection<'_> {
     }
 
     /// Leaves out the runs in which a swinging foot rests in mid-air, not far above the floor.
-    fn without_pauses(&self, runs: Vec<Range<usize>>, joints: &[Joint; 2]) -> Vec<Range<usize>> {
-        let above_floor = |f: usize| joints.iter().map(|j| j.heights[f] - j.floor).fold(f64::INFINITY, f64::min);
-        let heights: Vec<f64> =
-            (runs.iter().cloned()).map(|run| run.map(above_floor).fold(f64::INFINITY, f64::min)).collect();
-        let most = |idx: usize| PAUSE_HEIGHT * self.height + heights[idx - 1].max(heights[idx + 1]);
-        let is_pause = |idx: usize| {
-            let inner = idx > 0 && idx + 1 < runs.len();
-            inner && runs[idx].len() < self.n_frames_in(PAUSE_SECS) && heights[idx] > most(idx)
+    fn keep_standing(&self, runs: &mut Vec<Range<usize>>, joints: &[Joint; 2]) {
+        let heights: Vec<f64> = runs.iter().map(|run| lowest_in(joints, run.clone())).collect();
+        let (shortest, least) = (self.n_frames_in(PAUSE_SECS), PAUSE_HEIGHT * self.height);
+        let mut idx = 0usize;
+        runs.retain(|run| {
+            let around = idx.checked_sub(1).and_then(|before| heights.get(before)).zip(heights.get(idx + 1));
+            let rests = around.is_some_and(|(before, after)| heights[idx] > before.max(*after) + least);
+            idx += 1;
+            !(rests && run.len() < shortest)
+        });
+    }
+
+    /// Joins runs between which the foot neither goes anywhere nor is lifted.
+    fn join_pivots(&self, runs: &mut Vec<Range<usize>>, joints: &[Joint; 2]) {
+        let goes = |from: usize, to: usize| {
+            let ways = joints.iter().map(|joint| self.tracks.track(joint.point).flat_distance(from, to));
+            ways.fold(f64::INFINITY, f64::min) > STEP_LENGTH * self.height
         };
-        (runs.iter().enumerate()).filter(|&(idx, _)| !is_pause(idx)).map(|(_, run)| run.clone()).collect()
+        let lifted_above = STEP_HEIGHT * self.height;
+        // Each with the least that the foot is above its floor in it.
+        let mut joined: Vec<(Range<usize>, f64)> = Vec::with_capacity(runs.len());
+        for run in runs.drain(..) {
+            let lowest = lowest_in(joints, run.clone());
+            if let Some((before, lowest_before)) = joined.last_mut() {
+                let lifted = |frame| above_floor(joints, frame) > lowest.max(*lowest_before) + lifted_above;
+                let (last, mut hole) = (before.end - 1, before.end..run.start);
+                if !goes(last, run.start) && !hole.any(|frame| goes(last, frame) || lifted(frame)) {
+                    (before.end, *lowest_before) = (run.end, lowest.min(*lowest_before));
+                    continue;
+                }
+            }
+            joined.push((run, lowest));
+        }
+        runs.extend(joined.into_iter().map(|(run, _)| run));
+    }
+
+    /// Takes off a run's ends the few frames that are slow only by the looser bound or over several frames;
+    /// what the clip's own ends cut off stays.
+    fn trimmed(&self, run: Range<usize>, leg: &Leg, slow_below: &[f64]) -> Plant {
+        let Range { mut start, mut end } = run;
+        let fast = |from: usize| {
+            let step = |point| self.tracks.position(point, from).distance(self.tracks.position(point, from + 1));
+            step(leg.ankle.idx()).min(step(leg.toe)) >= slow_below[from] * self.frame_time_secs
+        };
+        for _ in 0..self.span() {
+            if 0 < start && start + 1 < end && fast(start) {
+                start += 1;
+            }
+            if end < slow_below.len() && start + 1 < end && fast(end - 2) {
+                end -= 1;
+            }
+        }
+        Plant::new(start, end - 1)
     }
 
     /// Returns a joint's speed at every frame: the smaller of those just before and just after, so that a foot counts
     /// as slow from the frame at which it stops to the frame at which it starts.
     fn speeds(&self, point: usize) -> Vec<f64> {
         let n_frames = self.tracks.n_frames();
-        let span = ((SPEED_SECS / self.frame_time_secs).round().max(1.0) as usize).min(n_frames - 1);
+        let span = self.span();
         let (x, y, z) = (self.tracks.x(point), self.tracks.y(point), self.tracks.z(point));
         // One frame is no motion: its foot stands still.
         let per_sec = 1.0 / (span.max(1) as f64 * self.frame_time_secs);
@@ -166,6 +216,11 @@ impl Detection<'_> {
             .collect();
         let at = |f: Option<usize>| f.and_then(|f| after.get(f)).copied().unwrap_or(f64::INFINITY);
         (0..n_frames).map(|f| at(Some(f)).min(at(f.checked_sub(span)))).collect()
+    }
+
+    /// Returns the number of frames over which a speed is taken; 0 for a clip of one frame.
+    fn span(&self) -> usize {
+        ((SPEED_SECS / self.frame_time_secs).round().max(1.0) as usize).min(self.tracks.n_frames() - 1)
     }
 
     /// Returns the strict bound of a slow joint's speed at every frame, clip's unit per second.
@@ -187,6 +242,16 @@ impl Detection<'_> {
     fn n_frames_in(&self, secs: f64) -> usize {
         (secs / self.frame_time_secs).ceil() as usize
     }
+}
+
+/// Returns how far the foot is above its floor at a frame: the lower of its joints.
+fn above_floor(joints: &[Joint; 2], frame: usize) -> f64 {
+    joints.iter().map(|joint| joint.heights[frame] - joint.floor).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the least that the foot is above its floor in a run.
+fn lowest_in(joints: &[Joint; 2], run: Range<usize>) -> f64 {
+    run.map(|frame| above_floor(joints, frame)).fold(f64::INFINITY, f64::min)
 }
 
 /// Returns the height of the lowest point at every frame.
@@ -347,6 +412,9 @@ mod tests {
             Motion { speed: 0.0, turn: 1.5, ..walk }.check(&format!("turn on the spot at {fps}"));
             Motion { speed: 0.0, ..walk }.check(&format!("steps on the spot at {fps}"));
             Motion { speed: 2.1, cycle: 0.72, stands: 0.32, ..walk }.check(&format!("run at {fps}"));
+            if fps >= 60.0 {
+                Motion { speed: 4.0, cycle: 0.5, stands: 0.24, ..walk }.check(&format!("sprint at {fps}"));
+            }
             Motion { speed: 0.9, cycle: 1.3, stands: 0.6, right_after: 0.0, ..walk }.check(&format!("jumps at {fps}"));
         }
     }
@@ -390,6 +458,26 @@ mod tests {
         };
         let resting = PointTracks::from_fn(5, walk.n_frames, position);
         assert_eq!(walk.plants(&resting), walk.plants(&walk.tracks()));
+    }
+
+    #[test]
+    fn a_pivot_is_no_step_and_a_step_is() {
+        // Both feet stand; at frame 100 the left one turns by a radian about a point a little outside its toe. Then the
+        // right one is put down elsewhere, close to the ground.
+        let moved = |frame: usize, from: f64| 0.5 - 0.5 * (PI * ((frame as f64 - from) / 15.0).clamp(0.0, 1.0)).cos();
+        let position = |point: usize, frame: usize| {
+            let foot = DVec3::new(0.0, 0.03, if point.is_multiple_of(2) { 0.03 } else { -0.08 });
+            HEIGHT
+                * match point {
+                    0 => DVec3::Y,
+                    1 | 2 => DVec3::X + DQuat::from_rotation_y(moved(frame, 100.0)) * foot,
+                    _ => DVec3::Z * 0.12 * moved(frame, 200.0) + foot,
+                }
+        };
+        let tracks = PointTracks::from_fn(5, 300, position);
+        let plants = found(&tracks, 1.0 / 60.0, HEIGHT);
+        assert_eq!(plants[0], [(0, 299)]);
+        assert_eq!(plants[1].len(), 2, "{plants:?}");
     }
 
     #[test]

@@ -129,7 +129,9 @@ fn first_is_left(frames: &[Vec<DVec3>], a: (Bends, usize), b: (Bends, usize)) ->
     let score: f64 = (frames.iter())
         .map(|points| {
             let forward = forward_of(points, a) + forward_of(points, b);
-            DVec3::Y.cross(forward).dot(points[a.0.hip.idx()] - points[b.0.hip.idx()])
+            // Where the legs are as a whole: hips may be turned against the feet, feet may cross.
+            let place = |leg: Bends| points[leg.hip.idx()] + points[leg.ankle.idx()];
+            DVec3::Y.cross(forward).dot(place(a.0) - place(b.0))
         })
         .sum();
     score > 0.0
