@@ -151,27 +151,29 @@ struct Steps {
 
 impl Steps {
     fn new(foot: &FootTracks, frames: Range<usize>) -> Self {
-        let (mut length, mut slip) = (0.0, 0.0f64);
-        // The joint in contact and the first frame of its run.
-        let mut run: Option<(bool, usize)> = None;
-        let of_run = |(is_toe, first): (bool, usize), last: usize| {
-            let track = if is_toe { &foot.toe } else { &foot.ankle };
-            diameter(&track.x[first..=last], &track.z[first..=last])
-        };
+        let mut steps = Self { length: 0.0, slip: 0.0 };
+        // Whether the toe is in contact, the first frame of that run, and the way gone in it.
+        let mut run = (false, frames.start, 0.0);
         for frame in frames.start + 1..frames.end {
             let (ankle, toe) = (foot.ankle.flat_distance(frame - 1, frame), foot.toe.flat_distance(frame - 1, frame));
             let is_toe = toe < ankle;
-            length += ankle.min(toe);
-            match run {
-                Some((joint, _)) if joint == is_toe => {}
-                _ => {
-                    slip = run.map_or(slip, |ended| slip.max(of_run(ended, frame - 1)));
-                    run = Some((is_toe, frame - 1));
-                }
+            if is_toe != run.0 {
+                steps.end_run(foot, run, frame - 1);
+                run = (is_toe, frame - 1, 0.0);
             }
+            run.2 += ankle.min(toe);
+            steps.length += ankle.min(toe);
         }
-        slip = run.map_or(slip, |ended| slip.max(of_run(ended, frames.end - 1)));
-        Self { length, slip }
+        steps.end_run(foot, run, frames.end - 1);
+        steps
+    }
+
+    /// Takes a run of one contact point into the slip, unless it is too short a way to matter.
+    fn end_run(&mut self, foot: &FootTracks, (is_toe, first, way): (bool, usize, f64), last: usize) {
+        if way > self.slip {
+            let track = if is_toe { &foot.toe } else { &foot.ankle };
+            self.slip = self.slip.max(diameter(&track.x[first..=last], &track.z[first..=last]));
+        }
     }
 }
 
