@@ -33,12 +33,13 @@ pub struct PlanArea {
 }
 
 impl PlanArea {
-    /// Returns the radius of a sphere that holds the box as seen from a direction.
-    pub(super) fn radius_from(&self, direction: DVec3) -> f64 {
-        let h = self.half_extents;
-        // Across the line of sight the box is as large as its extents without their part along it.
-        let along = (h * direction.abs()).length();
-        (h.length_squared() - 0.5 * along * along).sqrt()
+    /// Returns the box's corners, seen from its centre.
+    pub(super) fn corners(&self) -> impl Iterator<Item = DVec3> + use<> {
+        let half = self.half_extents;
+        let signs = [-1.0, 1.0];
+        signs.into_iter().flat_map(move |x| {
+            signs.into_iter().flat_map(move |y| signs.into_iter().map(move |z| half * DVec3::new(x, y, z)))
+        })
     }
 
     /// Keeps this box while it still frames the other one well, so that views stay still under small edits.
