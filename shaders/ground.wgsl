@@ -40,20 +40,23 @@ fn grid(at: vec2<f32>, line_width: f32) -> f32 {
     return mix(lines.x, 1.0, lines.y);
 }
 
-// Share of the light that reaches a point: 3×3 comparisons, each already smoothed over its four neighbours.
+// Share of the light that reaches a point: 3×3 texels of the map by four comparisons, each already smoothed over the
+// four texels round it.
 fn light_reaching(world: vec3<f32>) -> f32 {
     let at = view.light_view_proj * vec4<f32>(world, 1.0);
     let uv = at.xy * 0.5 + 0.5;
-    var sum = 0.0;
-    for (var y = -1; y <= 1; y++) {
-        for (var x = -1; x <= 1; x++) {
-            let offset = vec2<f32>(f32(x), f32(y)) * SHADOW_TEXEL;
-            sum += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + offset, at.z);
-        }
-    }
+    let h = SHADOW_TEXEL * 0.6;
+    let sum = lit(uv, vec2<f32>(-h, -h), at.z)
+        + lit(uv, vec2<f32>(h, -h), at.z)
+        + lit(uv, vec2<f32>(-h, h), at.z)
+        + lit(uv, vec2<f32>(h, h), at.z);
     // Nothing outside the map casts a shadow.
     let inside = all(abs(at.xy) < vec2<f32>(1.0)) && at.z < 1.0;
-    return select(1.0, sum / 9.0, inside);
+    return select(1.0, sum * 0.25, inside);
+}
+
+fn lit(uv: vec2<f32>, offset: vec2<f32>, depth: f32) -> f32 {
+    return textureSampleCompareLevel(shadow_map, shadow_sampler, uv + offset, depth);
 }
 
 fn shade(p: Point, light: f32) -> vec4<f32> {

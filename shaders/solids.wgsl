@@ -39,17 +39,21 @@ fn axes(span: vec3<f32>, radius: f32) -> mat3x3<f32> {
     return mat3x3<f32>(x, y, cross(x, y));
 }
 
-fn place(v: Vertex, i: Instance) -> vec3<f32> {
-    let turn = axes(i.to.xyz - i.from_radius.xyz, i.from_radius.w);
+fn place(v: Vertex, i: Instance, turn: mat3x3<f32>) -> vec3<f32> {
     return mix(i.from_radius.xyz, i.to.xyz, v.end) + turn * v.offset * i.from_radius.w;
+}
+
+fn axes_of(i: Instance) -> mat3x3<f32> {
+    return axes(i.to.xyz - i.from_radius.xyz, i.from_radius.w);
 }
 
 @vertex
 fn vertex(v: Vertex, i: Instance) -> Surface {
+    let turn = axes_of(i);
     var s: Surface;
-    s.world = place(v, i);
+    s.world = place(v, i, turn);
     s.clip = view.view_proj * vec4<f32>(s.world, 1.0);
-    s.normal = axes(i.to.xyz - i.from_radius.xyz, i.from_radius.w) * v.normal;
+    s.normal = turn * v.normal;
     s.colour = i.colour.xyz;
     return s;
 }
@@ -66,8 +70,13 @@ fn fragment(s: Surface) -> @location(0) vec4<f32> {
     // Near the ground less of the sky is seen.
     let height = (s.world.y - view.light.w) / view.ground_colour.w;
     let open = mix(0.65, 1.0, smoothstep(0.0, 0.25, height));
-    let gloss = pow(max(dot(n, normalize(light + eye)), 0.0), 40.0) * 0.14;
-    let edge = pow(1.0 - max(dot(n, eye), 0.0), 3.0) * 0.10;
+    // The powers are products: on a processor a power is a logarithm and an exponential.
+    let halfway = max(dot(n, normalize(light + eye)), 0.0);
+    let h4 = halfway * halfway * halfway * halfway;
+    let h16 = h4 * h4 * h4 * h4;
+    let gloss = h16 * h16 * 0.14;
+    let grazing = 1.0 - max(dot(n, eye), 0.0);
+    let edge = grazing * grazing * grazing * 0.10;
     let colour = s.colour * (key + sky * open) + vec3<f32>(gloss) + edge * vec3<f32>(0.6, 0.7, 0.9) * open;
     return vec4<f32>(colour, 1.0);
 }
@@ -77,5 +86,5 @@ var<immediate> from_light: mat4x4<f32>;
 
 @vertex
 fn vertex_shadow(v: Vertex, i: Instance) -> @builtin(position) vec4<f32> {
-    return from_light * vec4<f32>(place(v, i), 1.0);
+    return from_light * vec4<f32>(place(v, i, axes_of(i)), 1.0);
 }

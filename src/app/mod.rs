@@ -1,4 +1,293 @@
-//! The running editor: its threads and its preview process.
+//! The running editor: its event loop, its threads and its preview processes.
+//!
+//! One enum of events and one `match`: whatever can wake the program is in [`Event`]. This thread alone writes the
+//! document, solves and draws the terminal; the input, signal and preview threads only send.
 
 pub mod preview;
+pub mod preview_main;
 pub mod signals;
+
+use std::{
+    io,
+    process::ExitCode,
+    sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
+    time::{Duration, Instant},
+};
+
+use crate::{
+    editor::{Editor, Effect, Message},
+    scene::{FromPreview, Picture},
+    tui::{self, InputEvent, InputThread, Palette, Screen, Surroundings, Terminal},
+};
+use preview::{Preview, PreviewProgram, display_available};
+use signals::SignalEvent;
+
+/// Shortest time between two drawn frames while playing.
+const FRAME: Duration = Duration::from_millis(33);
+/// The same over SSH, where bytes are dear.
+const FRAME_OVER_SSH: Duration = Duration::from_millis(66);
+
+/// The exit status after the terminal went away, as for SIGHUP.
+const HANGUP_STATUS: u8 = 129;
+
+/// Whatever can wake the program.
+#[derive(Debug)]
+enum Event {
+    Input(InputEvent),
+    Signal(SignalEvent),
+    Preview(Kind, FromPreview),
+}
+
+/// The two kinds of preview.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Window,
+    Pane,
+}
+
+/// Runs the editor until the user leaves; returns the exit status.
+pub fn edit(editor: Editor) -> ExitCode {
+    match run(editor) {
+        Ok(status) => ExitCode::from(status),
+        Err(error) => {
+            eprintln!("walkabout: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
+    let (sender, events) = mpsc::channel();
+    // Whoever may have to give the terminal back knows it before it is taken.
+    let screen = Screen::open()?;
+    tui::leave_on_panic(screen.clone(), || {});
+    let mut send_signal = forward(&sender, Event::Signal);
+    signals::watch(screen.clone(), move |signal| {
+        send_signal(signal);
+    })?;
+    let terminal = Terminal::take(screen.clone())?;
+    let _input = InputThread::start(screen, forward(&sender, Event::Input))?;
+    let mut app = App::new(editor, terminal, sender);
+    app.open_window_if_possible();
+    Ok(app.run(&events)?)
+}
+
+/// Returns a function that sends what it is given as an event; false when nobody listens any more.
+fn forward<T>(sender: &Sender<Event>, event: fn(T) -> Event) -> impl FnMut(T) -> bool + Send + 'static
+where
+    T: Send + 'static,
+{
+    let sender = sender.clone();
+    move |value| sender.send(event(value)).is_ok()
+}
+
+/// What to do after an event.
+enum Next {
+    Go,
+    Leave(u8),
+}
+
+struct App {
+    editor: Editor,
+    terminal: Terminal,
+    palette: Palette,
+    sender: Sender<Event>,
+    window: Option<Preview>,
+    /// One line about the window: what draws it, or why there is none.
+    window_line: String,
+    pane: Option<Preview>,
+    /// The pane's newest picture, and the size it was asked for.
+    picture: Option<Picture>,
+    pane_size: (u32, u32),
+    frame: Duration,
+}
+
+impl App {
+    fn new(editor: Editor, terminal: Terminal, sender: Sender<Event>) -> Self {
+        let over_ssh = std::env::var_os("SSH_CONNECTION").is_some();
+        Self {
+            editor,
+            terminal,
+            palette: Palette::new(tui::Depth::from_env()),
+            sender,
+            window: None,
+            window_line: String::new(),
+            pane: None,
+            picture: None,
+            pane_size: (0, 0),
+            frame: if over_ssh { FRAME_OVER_SSH } else { FRAME },
+        }
+    }
+
+    fn run(&mut self, events: &Receiver<Event>) -> io::Result<u8> {
+        let mut last = Instant::now();
+        self.show()?;
+        loop {
+            let event = if self.editor.view().playing {
+                match events.recv_timeout(self.frame.saturating_sub(last.elapsed())) {
+                    Err(RecvTimeoutError::Timeout) => None,
+                    other => other.ok(),
+                }
+            } else {
+                events.recv().ok()
+            };
+            let secs = last.elapsed().as_secs_f64();
+            last = Instant::now();
+            let mut changed = self.editor.advance(secs);
+            // What has piled up is acted on before anything is drawn.
+            for event in event.into_iter().chain(events.try_iter()) {
+                changed = true;
+                if let Next::Leave(status) = self.act(event)? {
+                    return Ok(status);
+                }
+            }
+            if changed {
+                self.show()?;
+            }
+        }
+    }
+
+    fn act(&mut self, event: Event) -> io::Result<Next> {
+        match event {
+            Event::Input(InputEvent::Key(key)) | Event::Preview(_, FromPreview::Key(key)) => {
+                let effect = self.editor.key(key);
+                return self.effect(effect);
+            }
+            Event::Input(InputEvent::Paste(text)) => self.editor.paste(&text),
+            Event::Input(InputEvent::Resize(..)) => self.terminal.forget()?,
+            Event::Input(InputEvent::Hangup) => return Ok(Next::Leave(HANGUP_STATUS)),
+            Event::Signal(SignalEvent::Terminate { exit_code }) => return Ok(Next::Leave(exit_code)),
+            Event::Signal(SignalEvent::Suspend) => self.suspend(),
+            Event::Signal(SignalEvent::Resume) => signals::resume(&mut self.terminal)?,
+            Event::Preview(kind, event) => self.preview_event(kind, event),
+        }
+        Ok(Next::Go)
+    }
+
+    fn effect(&mut self, effect: Effect) -> io::Result<Next> {
+        match effect {
+            Effect::None => {}
+            Effect::Quit => return Ok(Next::Leave(0)),
+            Effect::Suspend => self.suspend(),
+            Effect::ToggleWindow => self.toggle_window(),
+            Effect::TogglePane => self.toggle_pane(),
+            Effect::Redraw => self.terminal.forget()?,
+        }
+        Ok(Next::Go)
+    }
+
+    /// Stops the job; being continued comes back as an event.
+    fn suspend(&mut self) {
+        if !signals::suspend(self.terminal.screen()) {
+            self.editor.say(Message::warning("there is no shell to come back from".to_owned()));
+        }
+    }
+
+    fn preview_event(&mut self, kind: Kind, event: FromPreview) {
+        match (kind, event) {
+            (Kind::Window, FromPreview::Ready { device, driver }) => {
+                self.window_line = format!("window: {device}, {driver}");
+            }
+            (Kind::Pane, FromPreview::Frame(picture)) => self.picture = Some(picture),
+            (Kind::Window, FromPreview::Closed) => {
+                self.window = None;
+                self.window_line = "window closed; w opens it".to_owned();
+            }
+            (Kind::Window, FromPreview::Failed(why)) => {
+                self.window = None;
+                self.window_line = why.clone();
+                self.editor.say(Message::warning(why));
+            }
+            (Kind::Pane, FromPreview::Closed) => self.close_pane(),
+            (Kind::Pane, FromPreview::Failed(why)) => {
+                self.close_pane();
+                self.editor.say(Message::warning(why));
+            }
+            // Clicks are for later tools; a window sends no frames.
+            (_, FromPreview::Pick(_) | FromPreview::Drag(_) | FromPreview::Release) => {}
+            (_, FromPreview::Key(_) | FromPreview::Ready { .. } | FromPreview::Frame(_)) => {}
+        }
+    }
+
+    fn open_window_if_possible(&mut self) {
+        match display_available() {
+            Ok(()) => self.open_window(),
+            Err(why) => self.window_line = why,
+        }
+    }
+
+    fn open_window(&mut self) {
+        self.window_line = "window: opening".to_owned();
+        match self.start(Kind::Window, PreviewProgram::window()) {
+            Ok(preview) => self.window = Some(preview),
+            Err(why) => self.window_line = why,
+        }
+    }
+
+    fn toggle_window(&mut self) {
+        match self.window.take() {
+            // It ends by itself; its last event tells so.
+            Some(preview) => {
+                preview.close();
+                self.window = Some(preview);
+            }
+            None => {
+                self.open_window_if_possible();
+                if self.window.is_none() {
+                    self.editor.say(Message::warning(self.window_line.clone()));
+                }
+            }
+        }
+    }
+
+    fn toggle_pane(&mut self) {
+        if self.pane.is_some() {
+            self.close_pane();
+        } else {
+            match self.start(Kind::Pane, PreviewProgram::headless()) {
+                Ok(preview) => self.pane = Some(preview),
+                Err(why) => self.editor.say(Message::warning(why)),
+            }
+        }
+    }
+
+    fn close_pane(&mut self) {
+        self.pane = None;
+        self.picture = None;
+        self.pane_size = (0, 0);
+    }
+
+    fn start(&self, kind: Kind, program: io::Result<PreviewProgram>) -> Result<Preview, String> {
+        let program = program.map_err(|e| format!("no preview: {e}"))?;
+        let sender = self.sender.clone();
+        Preview::start(&program, move |event| {
+            // Nobody listens any more only when the editor is leaving.
+            let _ = sender.send(Event::Preview(kind, event));
+        })
+        .map_err(|e| format!("no preview: {e}"))
+    }
+
+    /// Draws the terminal and hands the scene to the previews.
+    fn show(&mut self) -> io::Result<()> {
+        let scene = self.editor.scene();
+        let surroundings = Surroundings {
+            palette: self.palette,
+            window_line: &self.window_line,
+            picture: self.picture.as_ref(),
+            pane_open: self.pane.is_some(),
+        };
+        let mut view_size = (0, 0);
+        self.terminal.draw(|frame| view_size = tui::draw(frame, &self.editor, &scene, &surroundings))?;
+        if let Some(pane) = &self.pane {
+            if self.pane_size != view_size && view_size.0 > 0 && view_size.1 > 0 {
+                self.pane_size = view_size;
+                pane.resize(view_size.0, view_size.1);
+            }
+            pane.show(scene.clone());
+        }
+        if let Some(window) = &self.window {
+            window.show(scene);
+        }
+        Ok(())
+    }
+}

@@ -8,6 +8,8 @@ use crate::{
 };
 
 /// Everything the user has decided about a clip. Equal edits of equal sources give equal results.
+///
+/// Vectors are in the clip's own axes and unit, as people and project files write them; the solve turns them y-up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Edits {
     /// How the file is read.
@@ -22,6 +24,8 @@ pub struct Edits {
     pub path: PathEdits,
     /// Speed along the new path.
     pub timing: TimingEdits,
+    /// What is drawn and from where; saved with a project, outside undo.
+    pub view: ViewEdits,
 }
 
 /// `clip.*`.
@@ -63,7 +67,7 @@ pub struct PathEdits {
     pub degree: usize,
     /// Number of control points, `degree + 1` to 64; equals the length of `control_points` when those are given.
     pub points: usize,
-    /// Control points in y-up world axes, the clip's unit; none: the straight line.
+    /// Control points in the clip's axes and unit; none: the straight line.
     pub control_points: Option<Vec<DVec3>>,
     /// Step of one key press, body heights.
     pub nudge: f64,
@@ -94,4 +98,87 @@ impl Default for TimingEdits {
     fn default() -> Self {
         Self { arc_length: true, integrator: Integrator::Gauss, step: 0.001, cycling: Cycling::Off, speed: 1.0 }
     }
+}
+
+/// `show.*` and `camera.*`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewEdits {
+    /// What is drawn.
+    pub show: Show,
+    /// The four camera presets.
+    pub cameras: [CameraEdits; 4],
+}
+
+/// `show.*`: each drawn object, on or off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Show {
+    /// The actor as captured.
+    pub original_skeleton: bool,
+    /// The actor on the new path.
+    pub new_skeleton: bool,
+    /// The path fitted to the clip.
+    pub original_path: bool,
+    /// The new path.
+    pub new_path: bool,
+    /// The control points and the polygon through them.
+    pub control_points: bool,
+    /// The block that walks the original path.
+    pub original_tracker: bool,
+    /// The block that walks the new path.
+    pub new_tracker: bool,
+    /// The ground and its grid.
+    pub ground: bool,
+    /// Trails of the new actor's end effectors.
+    pub traces: bool,
+    /// Names in the picture.
+    pub labels: bool,
+}
+
+impl Default for Show {
+    fn default() -> Self {
+        Self {
+            original_skeleton: true,
+            new_skeleton: true,
+            original_path: true,
+            new_path: true,
+            control_points: true,
+            original_tracker: true,
+            new_tracker: true,
+            ground: true,
+            traces: false,
+            labels: true,
+        }
+    }
+}
+
+/// `camera.N.*`: what the user changed of a preset; what is not given frames the whole motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraEdits {
+    /// Eye point, the clip's axes and unit.
+    pub eye: Option<DVec3>,
+    /// Point looked at, the clip's axes and unit.
+    pub target: Option<DVec3>,
+    /// Up direction, the clip's axes.
+    pub up: Option<DVec3>,
+    /// Vertical field of view, degrees, 5 to 120.
+    pub fov: f64,
+    /// How depth is mapped; none: the preset's own.
+    pub projection: Option<ProjectionKind>,
+    /// Eye and target move along with the carrier.
+    pub follow: bool,
+}
+
+impl Default for CameraEdits {
+    fn default() -> Self {
+        Self { eye: None, target: None, up: None, fov: 40.0, projection: None, follow: false }
+    }
+}
+
+/// `camera.N.projection`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProjectionKind {
+    /// Far things are smaller.
+    Perspective,
+    /// Parallel lines stay parallel.
+    Orthographic,
 }

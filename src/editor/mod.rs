@@ -1,1 +1,273 @@
-//! To be written.
+//! The editor: what the user sees and does, without a terminal and without a GPU.
+//!
+//! Keys come in as [`Key`], become [`Command`]s by the table in [`command`], and change the [`Document`] or the
+//! [`ViewState`]; front ends read both and the [`Scene`] built from them. What the editor cannot do itself (quit, open
+//! a window) it returns as an [`Effect`].
+
+mod body;
+mod camera;
+mod command;
+mod keymap;
+mod panel;
+mod picture;
+mod prompt;
+mod view;
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use crate::{
+    document::{Change, Document, parse_assignment},
+    key::Key,
+    scene::Scene,
+};
+
+pub use camera::{PRESET_NAMES, Preset, preset};
+pub use command::{COMMANDS, Command, Group};
+pub use keymap::Hint;
+pub use panel::{Row, RowKind, TABS, Tab};
+pub use picture::{PlanArea, still_scene};
+pub use prompt::{Asking, Prompt};
+pub use view::{Message, Severity, ViewState};
+
+/// Steps of one command within this time are one step of undo.
+const HELD_SECS: f64 = 0.7;
+
+/// What the editor asks of the program around it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Nothing.
+    None,
+    /// Leave the program.
+    Quit,
+    /// Stop until the user's shell continues us.
+    Suspend,
+    /// Open the preview window, or close it.
+    ToggleWindow,
+    /// Show the preview's picture in the terminal in place of the plan, or the plan again.
+    TogglePane,
+    /// Draw everything anew.
+    Redraw,
+}
+
+/// The editor.
+#[derive(Clone, Debug)]
+pub struct Editor {
+    document: Document,
+    view: ViewState,
+    prompt: Option<Prompt>,
+    /// Keys of a sequence that is not finished.
+    pending: Vec<Key>,
+    /// Seconds since the editor began, as told by [`Editor::advance`].
+    clock_secs: f64,
+    /// The command that made the newest step, and when; none once another command came between.
+    last_step: Option<(&'static str, f64)>,
+    /// Whether the command being run has made a step.
+    made_step: bool,
+    stills: picture::Stills,
+}
+
+impl Editor {
+    /// Begins editing a document; the warnings are told first.
+    pub fn new(document: Document, mut warnings: Vec<String>) -> Self {
+        warnings.extend(document.solved().warnings.iter().cloned());
+        let mut editor = Self {
+            view: ViewState::new(document.solved()),
+            document,
+            prompt: None,
+            pending: Vec::new(),
+            clock_secs: 0.0,
+            last_step: None,
+            made_step: false,
+            stills: picture::Stills::default(),
+        };
+        editor.view.message = (!warnings.is_empty()).then(|| Message::warning(warnings.join("; ")));
+        editor.follow_document();
+        editor
+    }
+
+    /// Returns the document.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// Returns the view state.
+    pub fn view(&self) -> &ViewState {
+        &self.view
+    }
+
+    /// Returns the line being typed, if one is.
+    pub fn prompt(&self) -> Option<&Prompt> {
+        self.prompt.as_ref()
+    }
+
+    /// Returns the keys of a sequence that is not finished.
+    pub fn pending(&self) -> &[Key] {
+        &self.pending
+    }
+
+    /// Returns the rows of the tab in use.
+    pub fn rows(&self) -> Vec<Row> {
+        panel::rows(self)
+    }
+
+    /// Returns the picture of this moment.
+    pub fn scene(&self) -> Scene {
+        picture::scene(&self.document, &self.view, Arc::clone(self.stills.still()))
+    }
+
+    /// Returns the keys that work now, or after the keys already pressed of a sequence.
+    pub fn hints(&self) -> Vec<Hint> {
+        keymap::hints(self)
+    }
+
+    /// Lets time pass: moves the playhead while playing. Returns whether anything to be seen changed.
+    pub fn advance(&mut self, secs: f64) -> bool {
+        self.clock_secs += secs;
+        self.view.advance(secs, &self.document)
+    }
+
+    /// Acts on a key.
+    pub fn key(&mut self, key: Key) -> Effect {
+        self.view.message = None;
+        match self.prompt.take() {
+            Some(prompt) => self.prompt_key(prompt, key),
+            None => keymap::press(self, key),
+        }
+    }
+
+    /// Acts on keys given as text, e.g. `jj+<tab>u`; for tests and scripts.
+    ///
+    /// # Panics
+    ///
+    /// When the text is not a key sequence.
+    pub fn keys(&mut self, text: &str) -> Effect {
+        let keys = Key::parse_sequence(text).expect("a key sequence");
+        keys.into_iter().map(|key| self.key(key)).last().unwrap_or(Effect::None)
+    }
+
+    /// Puts text into the line being typed; without one, text means nothing.
+    pub fn paste(&mut self, text: &str) {
+        if let Some(prompt) = &mut self.prompt {
+            prompt.insert(text);
+        }
+    }
+
+    /// Shows a frame, counted in what would be exported; rest frames show the first frame after them.
+    pub fn show_exported_frame(&mut self, frame_idx: usize) {
+        self.view.jump(frame_idx.saturating_sub(self.document.solved().clip.rest_frames()));
+        self.follow_document();
+    }
+
+    /// Takes a camera preset into use, 0 to 3.
+    pub fn use_camera(&mut self, camera_idx: usize) {
+        self.view.camera_idx = camera_idx.min(3);
+    }
+
+    /// Shows a line to the user until the next key.
+    pub fn say(&mut self, message: Message) {
+        self.view.message = Some(message);
+    }
+
+    /// Makes a change under the name of a command; steps of a held key are one step of undo.
+    fn change(&mut self, command: &'static str, change: &Change) {
+        let held = self.last_step.is_some_and(|(name, at)| name == command && self.clock_secs - at < HELD_SECS);
+        self.made_step = true;
+        let known = self.document.solved().warnings.clone();
+        match self.document.apply(change, held) {
+            Ok(mut warnings) => {
+                warnings.extend(self.document.solved().warnings.iter().filter(|w| !known.contains(w)).cloned());
+                self.view.message = (!warnings.is_empty()).then(|| Message::warning(warnings.join("; ")));
+                self.last_step = Some((command, self.clock_secs));
+            }
+            Err(error) => self.say(Message::error(error.to_string())),
+        }
+        self.follow_document();
+    }
+
+    /// Sets one parameter under the name of a command.
+    fn set(&mut self, command: &'static str, name: &str, value: toml::Value) {
+        self.change(command, &Change::Set { values: vec![(name.to_owned(), value)], shape: None });
+    }
+
+    /// Ends the joining of steps: the next one is its own.
+    fn end_step(&mut self) {
+        self.last_step = None;
+    }
+
+    /// Brings the view and the still picture in line with the document.
+    fn follow_document(&mut self) {
+        self.view.follow(&self.document);
+        self.stills.follow(&self.document, &self.view);
+    }
+
+    fn prompt_key(&mut self, mut prompt: Prompt, key: Key) -> Effect {
+        match prompt.key(key) {
+            prompt::Answer::Typing => self.prompt = Some(prompt),
+            prompt::Answer::Left => {}
+            prompt::Answer::Given(text) => return self.answer(prompt, &text),
+        }
+        Effect::None
+    }
+
+    /// Acts on a finished line; one that cannot be used stays open with the reason.
+    fn answer(&mut self, prompt: Prompt, text: &str) -> Effect {
+        self.end_step();
+        match &prompt.asking {
+            Asking::Quit => return if text.starts_with('y') { Effect::Quit } else { Effect::None },
+            Asking::Value { name } => {
+                let name = *name;
+                match parse_assignment(&format!("{name}={text}")) {
+                    Ok((_, value)) => self.set("type", name, value),
+                    Err(error) => self.say(Message::error(error)),
+                }
+            }
+            Asking::Assignment => match parse_assignment(text) {
+                Ok((name, value)) => self.set("type", &name, value),
+                Err(error) => self.say(Message::error(error)),
+            },
+            Asking::Coordinates { point_idx } => match prompt::parse_coordinates(text) {
+                Some(to) => self.change("type", &Change::PlacePoint { point_idx: *point_idx, to }),
+                None => self.say(Message::error(format!("expected three numbers x y z, found `{text}`"))),
+            },
+            Asking::Save => self.ask_or(text, Asking::OverwriteSave, Self::save_to),
+            Asking::Export => self.ask_or(text, Asking::OverwriteExport, Self::export_to),
+            Asking::OverwriteSave(file) if text.starts_with('y') => self.save_to(&file.clone()),
+            Asking::OverwriteExport(file) if text.starts_with('y') => self.export_to(&file.clone()),
+            Asking::OverwriteSave(_) | Asking::OverwriteExport(_) => self.say(Message::note("not written".to_owned())),
+        }
+        if self.view.message.as_ref().is_some_and(|m| m.severity == Severity::Error) && self.prompt.is_none() {
+            self.prompt = Some(prompt.again());
+        }
+        Effect::None
+    }
+
+    /// Writes to the named file; one that exists and is not this document's own is asked about first.
+    fn ask_or(&mut self, text: &str, overwrite: fn(PathBuf) -> Asking, write: fn(&mut Self, &Path)) {
+        let file = PathBuf::from(text.trim());
+        if file.exists() && self.document.project() != Some(file.as_path()) {
+            self.prompt = Some(Prompt::new(overwrite(file), ""));
+        } else {
+            write(self, &file);
+        }
+    }
+
+    fn save_to(&mut self, file: &Path) {
+        match self.document.save(file) {
+            Ok(()) => self.say(Message::note(format!("saved {}", file.display()))),
+            Err(error) => self.say(Message::error(error.to_string())),
+        }
+    }
+
+    fn export_to(&mut self, file: &Path) {
+        match self.document.export(file) {
+            Ok(()) => {
+                let n = self.document.solved().edited.n_frames();
+                self.say(Message::note(format!("exported {n} frames to {}", file.display())));
+            }
+            Err(error) => self.say(Message::error(error.to_string())),
+        }
+    }
+}

@@ -30,7 +30,8 @@ impl<W: Write> SceneWriter<W> {
         Ok(Self { out: Outgoing::new(stream)?, sent: None })
     }
 
-    /// Sends one message and flushes. A scene's still part goes with it only when its revision differs from the last one sent.
+    /// Sends one message and flushes. A scene's still part goes with it only when its revision differs from the last one
+    /// sent.
     ///
     /// # Errors
     ///

@@ -9,6 +9,7 @@ mod edited;
 mod euler;
 mod facts;
 mod from_bvh;
+pub mod gait;
 mod kinematics;
 mod lanes;
 mod options;

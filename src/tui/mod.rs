@@ -5,11 +5,12 @@
 //! struct of plain fields that draws itself into an area of cells and keeps nothing.
 //!
 //! Nothing here decides: no widget knows a command, no widget changes anything. Colours go through one
-//! [`Palette`](colour::Palette), and no meaning hangs on a colour alone.
+//! [`Palette`], and no meaning hangs on a colour alone.
 
 pub mod braille;
 pub mod chart;
 pub mod colour;
+mod draw;
 pub mod input;
 pub mod key_help;
 pub mod parameters;
@@ -25,6 +26,7 @@ pub mod timeline;
 
 pub use chart::{Chart, Series};
 pub use colour::{Depth, Palette};
+pub use draw::{Surroundings, draw};
 pub use input::{InputEvent, InputThread};
 pub use key_help::{KeyGroup, KeyHelp};
 pub use parameters::{ParameterList, ParameterRow};

@@ -100,10 +100,12 @@ impl Use {
         Self { stage, access: vk::AccessFlags2::NONE, layout: vk::ImageLayout::UNDEFINED }
     }
 
-    /// Drawn into.
+    /// Drawn into and over.
     pub(super) const COLOUR: Self = Self {
         stage: vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT,
-        access: vk::AccessFlags2::COLOR_ATTACHMENT_WRITE,
+        access: vk::AccessFlags2::from_raw(
+            vk::AccessFlags2::COLOR_ATTACHMENT_READ.as_raw() | vk::AccessFlags2::COLOR_ATTACHMENT_WRITE.as_raw(),
+        ),
         layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
     };
 

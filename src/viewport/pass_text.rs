@@ -1,4 +1,4 @@
-//! Text over the whole picture, after all views.
+//! Text over the whole finished picture: it lies on whole pixels, so it needs neither several samples nor depth.
 
 use std::rc::Rc;
 
@@ -26,7 +26,7 @@ impl TextPass {
     /// # Errors
     ///
     /// When the driver cannot make the pipeline or memory has run out.
-    pub(super) fn new(device: &Rc<Device>, layouts: &Layouts, samples: vk::SampleCountFlags) -> Result<Self, GpuError> {
+    pub(super) fn new(device: &Rc<Device>, layouts: &Layouts) -> Result<Self, GpuError> {
         let glyph = VertexBuffer {
             stride: size_of::<Glyph>(),
             rate: vk::VertexInputRate::INSTANCE,
@@ -44,9 +44,9 @@ impl TextPass {
             layout: layouts.pushed,
             buffers: &[glyph],
             topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
-            samples,
+            samples: vk::SampleCountFlags::TYPE_1,
             cull: false,
-            depth: Depth::Ignore,
+            depth: Depth::Absent,
             blend: true,
         };
         let pipeline = Pipeline::new(device, &spec)?;
@@ -62,11 +62,13 @@ impl TextPass {
         self.glyphs.set(glyphs)
     }
 
+    /// Returns whether there is nothing to draw.
+    pub(super) fn is_empty(&self) -> bool {
+        self.glyphs.count() == 0
+    }
+
     /// Records the drawing; viewport and scissor are the whole picture.
     pub(super) fn draw(&self, commands: vk::CommandBuffer, picture: vk::Extent2D) {
-        if self.glyphs.count() == 0 {
-            return;
-        }
         let size = [picture.width as f32, picture.height as f32];
         let device = &self.device.handle;
         // SAFETY: recorded inside rendering to the format and samples that the pipeline was made for; the buffer holds

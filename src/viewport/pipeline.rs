@@ -112,6 +112,8 @@ pub(super) struct PipelineSpec<'a> {
 /// What a pass does with the depth image.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Depth {
+    /// There is no depth image.
+    Absent,
     Ignore,
     Test,
     TestAndWrite,
@@ -153,7 +155,7 @@ impl Pipeline {
             .line_width(1.0);
         let multisample = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(spec.samples);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(spec.depth != Depth::Ignore)
+            .depth_test_enable(matches!(spec.depth, Depth::Test | Depth::TestAndWrite))
             .depth_write_enable(spec.depth == Depth::TestAndWrite)
             .depth_compare_op(vk::CompareOp::LESS_OR_EQUAL);
         let attachments = [blend_state(spec.blend)];
@@ -167,7 +169,10 @@ impl Pipeline {
         let colours = [target::COLOUR_FORMAT];
         let mut formats = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(if spec.fragment.is_some() { &colours } else { &[] })
-            .depth_attachment_format(target::DEPTH_FORMAT);
+            .depth_attachment_format(match spec.depth {
+                Depth::Absent => vk::Format::UNDEFINED,
+                _ => target::DEPTH_FORMAT,
+            });
         let info = vk::GraphicsPipelineCreateInfo::default()
             .stages(&stages)
             .vertex_input_state(&vertex_input)

@@ -114,7 +114,7 @@ impl Renderer {
                 solids: SolidPass::new(&device, &layouts, samples, full)?,
                 ground: GroundPass::new(&device, &layouts, samples, full)?,
                 ribbons: RibbonPass::new(&device, &layouts, samples)?,
-                text: TextPass::new(&device, &layouts, samples)?,
+                text: TextPass::new(&device, &layouts)?,
             },
             views: ViewBlocks::new(&device, &layouts, shadow.as_ref())?,
             shadow,
@@ -282,12 +282,28 @@ impl Renderer {
             }
             self.passes.ribbons.draw(commands);
         }
+        // SAFETY: begun above.
+        unsafe { device.cmd_end_rendering(commands) };
+        if !self.passes.text.is_empty() {
+            self.record_text(commands, target);
+        }
+        let done = barrier(target.picture.handle, vk::ImageAspectFlags::COLOR, Use::COLOUR, Use::COPIED);
+        transition(&self.device, commands, &[done]);
+    }
+
+    /// Records the text over the finished picture.
+    fn record_text(&self, commands: vk::CommandBuffer, target: &Target) {
+        let (picture, colour) = (target.picture.handle, vk::ImageAspectFlags::COLOR);
+        transition(&self.device, commands, &[barrier(picture, colour, Use::COLOUR, Use::COLOUR)]);
+        let attachment = [target.finished_attachment()];
+        let area: vk::Rect2D = target.extent.into();
+        let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachment);
+        // SAFETY: the picture is in its layout and outlives the frame.
+        unsafe { self.device.handle.cmd_begin_rendering(commands, &info) };
         self.look_through(commands, area);
         self.passes.text.draw(commands, target.extent);
         // SAFETY: begun above.
-        unsafe { device.cmd_end_rendering(commands) };
-        let done = barrier(target.picture.handle, vk::ImageAspectFlags::COLOR, Use::COLOUR, Use::COPIED);
-        transition(&self.device, commands, &[done]);
+        unsafe { self.device.handle.cmd_end_rendering(commands) };
     }
 
     fn record_shadow(&self, commands: vk::CommandBuffer, map: &ShadowMap, light: DMat4) {

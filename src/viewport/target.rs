@@ -98,6 +98,15 @@ impl Target {
         }
     }
 
+    /// Returns the finished picture as an attachment, to be drawn over.
+    pub(super) fn finished_attachment(&self) -> vk::RenderingAttachmentInfo<'static> {
+        vk::RenderingAttachmentInfo::default()
+            .image_view(self.picture.view)
+            .image_layout(Use::COLOUR.layout)
+            .load_op(vk::AttachmentLoadOp::LOAD)
+            .store_op(vk::AttachmentStoreOp::STORE)
+    }
+
     /// Returns the depth attachment, cleared to the far plane.
     pub(super) fn depth_attachment(&self) -> vk::RenderingAttachmentInfo<'static> {
         depth_attachment(&self.depth, vk::AttachmentStoreOp::DONT_CARE)

@@ -1,0 +1,13 @@
+//! `walkabout export`: the edited clip as BVH.
+
+use super::{
+    Failure,
+    args::{Clip, Output},
+};
+
+pub(super) fn run(clip: &Clip, output: &Output) -> Result<(), Failure> {
+    super::check_free(&output.output, output.force)?;
+    let document = super::open_loudly(clip)?;
+    document.export(&output.output)?;
+    Ok(())
+}

@@ -1,0 +1,72 @@
+//! `walkabout measure`: the quality numbers of METHOD 9, source beside edited.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::{Failure, args::Clip, info::shown_file};
+use crate::document::{Document, Solved};
+
+pub(super) fn run(clip: &Clip, as_json: bool) -> Result<(), Failure> {
+    let document = super::open_loudly(clip)?;
+    if as_json { super::print_json(&report(clip, &document)) } else { super::print(&text(document.solved())) }
+}
+
+fn report(clip: &Clip, document: &Document) -> serde_json::Value {
+    let solved = document.solved();
+    let measures = &solved.measures;
+    let rms = solved.residual_rms() / solved.clip.facts.height.value;
+    let seam: Vec<_> = measures
+        .seam
+        .iter()
+        .map(|s| {
+            json!({
+                "frame": s.frame + solved.clip.rest_frames(),
+                "position": s.position,
+                "rotation": s.rotation,
+                "velocity": s.velocity,
+            })
+        })
+        .collect();
+    json!({
+        "file": shown_file(clip, document),
+        "frames": { "source": solved.clip.n_file_frames(), "edited": solved.n_exported_frames() },
+        "frame_time": solved.clip.frame_time_secs,
+        "height": { "source": measures.height.source, "edited": measures.height.edited },
+        "unit": solved.clip.facts.unit.value,
+        "path_length": { "source": measures.path_length.source, "edited": measures.path_length.edited },
+        "original_degree": solved.original.degree(),
+        "feet": null,
+        "residual_rms": { "x": rms.x, "y": rms.y, "z": rms.z },
+        "jerk_ratio": measures.jerk_ratio,
+        "path_error": measures.path_error,
+        "seam": seam,
+        "warnings": solved.warnings,
+    })
+}
+
+fn text(solved: &Solved) -> String {
+    let measures = &solved.measures;
+    let rms = solved.residual_rms() / solved.clip.facts.height.value;
+    let mut out = String::new();
+    let mut line = |name: &str, value: String, unit: &str| {
+        writeln!(out, "{name:<16} {value:<28} {unit}").expect("writing to a String");
+    };
+    let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.6}"));
+    let pair = |source: f64, edited: f64| format!("{source:.4} → {edited:.4}");
+    line("frames", format!("{} → {}", solved.clip.n_file_frames(), solved.n_exported_frames()), "source → edited");
+    line("height", pair(measures.height.source, measures.height.edited), "clip unit");
+    line("path length", pair(measures.path_length.source, measures.path_length.edited), "clip unit");
+    line("original degree", solved.original.degree().to_string(), "");
+    line("residual RMS", format!("{:.5} {:.5} {:.5}", rms.x, rms.y, rms.z), "H, along the clip's x y z");
+    line("jerk ratio", number(measures.jerk_ratio), "edited over source");
+    line("path error", number(measures.path_error), "H");
+    for s in &measures.seam {
+        line(
+            &format!("seam at {}", s.frame + solved.clip.rest_frames()),
+            format!("{:.5} {:.5} {:.5}", s.position, s.rotation, s.velocity),
+            "position, rotation, velocity step",
+        );
+    }
+    out
+}

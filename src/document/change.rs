@@ -1,0 +1,160 @@
+//! Changes: what turns one [`Edits`] value into the next.
+//!
+//! A change is a value that can be stored, replayed and tested. Rules between parameters live here: a path keeps its
+//! shape when its degree or number of points changes, given control points are final and define the count, a ready
+//! shape follows the original path that the same change may have altered.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use toml::Value;
+
+use super::{
+    Edits, Solved, Source,
+    parameter::{MAX_POINTS, SetError, parameter},
+    solve,
+};
+use crate::path::{self, Shape};
+
+/// One change of the edits.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// Parameters set and a ready shape taken, all as one whatever their order.
+    Set {
+        /// Names and values.
+        values: Vec<(String, Value)>,
+        /// A ready shape, applied after the values; given control points win over it.
+        shape: Option<Shape>,
+    },
+    /// A control point goes somewhere, in the clip's axes and unit.
+    PlacePoint {
+        /// Index of the point.
+        point_idx: usize,
+        /// Where it goes.
+        to: DVec3,
+    },
+    /// A new control point after this one, half way to the next (beyond the end: as far again).
+    InsertPoint {
+        /// Index of the point it follows.
+        after_idx: usize,
+    },
+    /// A control point is taken out.
+    DeletePoint {
+        /// Index of the point.
+        point_idx: usize,
+    },
+    /// Back to the straight line.
+    Straighten,
+}
+
+/// A change that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ChangeError {
+    /// A name or a value that the parameter table does not take.
+    #[error(transparent)]
+    Parameter(#[from] SetError),
+    /// No more control points fit.
+    #[error("a path has at most {MAX_POINTS} control points")]
+    TooManyPoints,
+    /// The path cannot lose a point.
+    #[error("a path of degree {degree} needs at least {} control points; lower path.degree first", degree + 1)]
+    LastPoints {
+        /// `path.degree`.
+        degree: usize,
+    },
+}
+
+/// Returns the edits after a change, and what deserves the user's eye.
+///
+/// # Errors
+///
+/// When the change cannot be made; nothing is half done.
+pub(super) fn next(solved: &Solved, change: &Change) -> Result<(Edits, Vec<String>), ChangeError> {
+    let mut edits = (*solved.edits).clone();
+    let mut warnings = Vec::new();
+    match change {
+        Change::Set { values, shape } => warnings = set(solved, &mut edits, values, *shape)?,
+        Change::PlacePoint { point_idx, to } => {
+            let mut points = solved.control_points();
+            points[*point_idx] = *to;
+            give(&mut edits, points);
+        }
+        Change::InsertPoint { after_idx } => {
+            let mut points = solved.control_points();
+            if points.len() >= MAX_POINTS {
+                return Err(ChangeError::TooManyPoints);
+            }
+            let here = points[*after_idx];
+            let new = match points.get(after_idx + 1) {
+                Some(&next) => here.midpoint(next),
+                None => here + (here - points[after_idx - 1]),
+            };
+            points.insert(after_idx + 1, new);
+            give(&mut edits, points);
+        }
+        Change::DeletePoint { point_idx } => {
+            let mut points = solved.control_points();
+            if points.len() <= edits.path.degree + 1 {
+                return Err(ChangeError::LastPoints { degree: edits.path.degree });
+            }
+            points.remove(*point_idx);
+            give(&mut edits, points);
+        }
+        Change::Straighten => edits.path.control_points = None,
+    }
+    Ok((edits, warnings))
+}
+
+fn give(edits: &mut Edits, points: Vec<DVec3>) {
+    edits.path.points = points.len();
+    edits.path.control_points = Some(points);
+}
+
+fn set(
+    solved: &Solved,
+    edits: &mut Edits,
+    values: &[(String, Value)],
+    shape: Option<Shape>,
+) -> Result<Vec<String>, ChangeError> {
+    let mut warnings = Vec::new();
+    let points_name = "path.control_points";
+    for (name, value) in values.iter().filter(|(name, _)| name != points_name) {
+        parameter(name)?.set(edits, value)?;
+    }
+    let needed = edits.path.degree + 1;
+    let given = values.iter().rev().find(|(name, _)| name == points_name);
+    if let Some((name, value)) = given {
+        parameter(name)?.set(edits, value)?;
+        if let Some(points) = &edits.path.control_points {
+            if points.len() < needed {
+                return Err(SetError::TooFewPoints { degree: edits.path.degree, found: points.len() }.into());
+            }
+            return Ok(warnings);
+        }
+    }
+    if edits.path.points < needed {
+        warnings.push(format!("path.points raised to {needed}, which path.degree {} needs", edits.path.degree));
+        edits.path.points = needed;
+    }
+    if let Some(shape) = shape {
+        let original = original_path(&solved.source, edits, solved);
+        let raised = edits.path.points.max(shape.min_points(edits.path.degree));
+        if raised > edits.path.points {
+            warnings.push(format!("path.points raised to {raised}, which the shape needs"));
+        }
+        let points = path::shape_points(shape, &original.original, raised, edits.path.degree);
+        give(edits, points.into_iter().map(|p| original.clip.facts.up.value.to_file(p)).collect());
+    } else if edits.path.control_points.is_some()
+        && (edits.path.points, edits.path.degree) != (solved.edits.path.points, solved.edits.path.degree)
+    {
+        let up = solved.clip.facts.up.value;
+        let points = solved.new_path.refit(edits.path.points, edits.path.degree);
+        give(edits, points.into_iter().map(|p| up.to_file(p)).collect());
+    }
+    Ok(warnings)
+}
+
+/// The solve of these edits, for its original path; stages that are the same are shared.
+fn original_path(source: &Arc<Source>, edits: &Edits, previous: &Solved) -> Solved {
+    solve(source, &Arc::new(edits.clone()), Some(previous))
+}

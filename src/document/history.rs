@@ -1,0 +1,134 @@
+//! Undo without limit: whole [`Edits`] values, shared by `Arc`; undo and redo choose another one.
+//!
+//! There are no inverse operations to get wrong. Steps of one held key join into one; what is drawn and from where
+//! is not history, so it stays as it is when another revision is chosen. A new edit after undo forgets what was
+//! undone. Revisions are never dropped; one costs a few hundred bytes.
+
+use std::sync::Arc;
+
+use super::Edits;
+
+/// Every value the edits have had, and which one is in use.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// Invariant: never empty.
+    revisions: Vec<Arc<Edits>>,
+    /// Index into `revisions`.
+    at: usize,
+}
+
+impl History {
+    /// Begins with these edits.
+    pub fn new(edits: Edits) -> Self {
+        Self { revisions: vec![Arc::new(edits)], at: 0 }
+    }
+
+    /// Returns the edits in use.
+    pub fn edits(&self) -> &Arc<Edits> {
+        &self.revisions[self.at]
+    }
+
+    /// Takes new edits into use. With `joins` they replace the present revision in place of following it.
+    ///
+    /// Edits that differ only in what is drawn replace it always; equal edits change nothing.
+    pub fn push(&mut self, edits: Edits, joins: bool) {
+        if edits == **self.edits() {
+            return;
+        }
+        let unrecorded = edits == Edits { view: edits.view.clone(), ..(**self.edits()).clone() };
+        let edits = Arc::new(edits);
+        if unrecorded {
+            self.revisions[self.at] = edits;
+            return;
+        }
+        self.revisions.truncate(self.at + 1);
+        if joins && self.at > 0 {
+            self.revisions[self.at] = edits;
+        } else {
+            self.revisions.push(edits);
+            self.at += 1;
+        }
+    }
+
+    /// Goes back one revision; false at the first.
+    pub fn undo(&mut self) -> bool {
+        self.at > 0 && self.choose(self.at - 1)
+    }
+
+    /// Goes forward one revision; false at the last.
+    pub fn redo(&mut self) -> bool {
+        self.at + 1 < self.revisions.len() && self.choose(self.at + 1)
+    }
+
+    /// Returns how many steps can be undone and redone.
+    pub fn depth(&self) -> (usize, usize) {
+        (self.at, self.revisions.len() - 1 - self.at)
+    }
+
+    fn choose(&mut self, at: usize) -> bool {
+        let view = self.edits().view.clone();
+        self.at = at;
+        if self.edits().view != view {
+            self.revisions[at] = Arc::new(Edits { view, ..(**self.edits()).clone() });
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_nudge(nudge: f64) -> Edits {
+        let mut edits = Edits::default();
+        edits.path.nudge = nudge;
+        edits
+    }
+
+    #[test]
+    fn undo_and_redo_walk_the_revisions() {
+        let mut history = History::new(Edits::default());
+        history.push(with_nudge(1.0), false);
+        history.push(with_nudge(2.0), false);
+        assert!(history.undo());
+        assert_eq!(history.edits().path.nudge, 1.0);
+        assert!(history.undo());
+        assert!(!history.undo());
+        assert!(history.redo() && history.redo());
+        assert!(!history.redo());
+        assert_eq!(history.edits().path.nudge, 2.0);
+    }
+
+    #[test]
+    fn joined_steps_are_undone_at_once() {
+        let mut history = History::new(Edits::default());
+        history.push(with_nudge(1.0), false);
+        history.push(with_nudge(2.0), true);
+        history.push(with_nudge(3.0), true);
+        assert_eq!(history.depth(), (1, 0));
+        assert!(history.undo());
+        assert_eq!(**history.edits(), Edits::default());
+    }
+
+    #[test]
+    fn a_new_edit_forgets_what_was_undone() {
+        let mut history = History::new(Edits::default());
+        history.push(with_nudge(1.0), false);
+        history.undo();
+        history.push(with_nudge(5.0), false);
+        assert!(!history.redo());
+        assert_eq!(history.depth(), (1, 0));
+    }
+
+    #[test]
+    fn what_is_drawn_is_not_history() {
+        let mut history = History::new(Edits::default());
+        history.push(with_nudge(1.0), false);
+        let mut hidden = (**history.edits()).clone();
+        hidden.view.show.ground = false;
+        history.push(hidden, false);
+        assert_eq!(history.depth(), (1, 0));
+        history.undo();
+        assert!(!history.edits().view.show.ground);
+    }
+}

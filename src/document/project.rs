@@ -1,0 +1,325 @@
+//! Project files: TOML to be read and diffed, holding a clip's name and what differs from the defaults.
+//!
+//! Same project and clip, same bytes out. An unknown key or a value out of range is an error with a place; a clip
+//! that has changed since is a warning. `[clip] file` is relative to the project; without it the project is about
+//! the built-in clip.
+
+use std::{
+    fs,
+    io::Write as _,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use toml::{
+    Value,
+    de::{DeTable, DeValue},
+};
+
+use super::{
+    Edits, Source,
+    parameter::{PARAMETERS, SetError, parameter, show_value},
+    source::{self, OpenError},
+};
+
+/// The project format this program writes; every smaller one still opens.
+pub const FORMAT: i64 = 1;
+
+/// The file names that are opened as projects.
+pub const EXTENSION: &str = "toml";
+
+/// A project file that does not read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {problem}")]
+pub struct ProjectError {
+    /// The project file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+/// What is wrong in a project file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// Not TOML.
+    #[error("{0}")]
+    Syntax(String),
+    /// `format` is missing or not one of ours.
+    #[error("expected `format` from 1 to {FORMAT}, found {0}; a newer walkabout may open it")]
+    Format(String),
+    /// A value or a name that the parameter table does not take.
+    #[error(transparent)]
+    Parameter(#[from] SetError),
+    /// A key of the right name with a value of the wrong type.
+    #[error("`{0}` is a text")]
+    NotText(&'static str),
+}
+
+/// What a project file says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Project {
+    /// `[clip] file` as written; none for the built-in clip.
+    pub clip_file: Option<String>,
+    /// `[clip] blake3` as written; none: the clip is not checked.
+    pub blake3: Option<String>,
+    /// The edits.
+    pub edits: Edits,
+}
+
+/// Something opened: a clip to edit, from its own file or through a project.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// The clip.
+    pub source: Arc<Source>,
+    /// The project's edits, or the defaults.
+    pub edits: Edits,
+    /// The project file, if that is what was opened.
+    pub project: Option<PathBuf>,
+    /// What deserves the user's eye.
+    pub warnings: Vec<String>,
+}
+
+/// Opens a clip or a project, told apart by the file's name; none opens the built-in clip.
+///
+/// # Errors
+///
+/// When a file cannot be read or does not parse, with its place.
+pub fn open(file: Option<&Path>) -> Result<Opened, OpenError> {
+    let plain = |source| Opened { source: Arc::new(source), edits: Edits::default(), project: None, warnings: Vec::new() };
+    let Some(file) = file else { return Ok(plain(source::built_in())) };
+    if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case(EXTENSION)) {
+        return Ok(plain(source::read(file)?));
+    }
+    let text = source::read_text(file)?;
+    let project = parse(&text, &file.display().to_string())?;
+    let source = match &project.clip_file {
+        None => source::built_in(),
+        Some(clip) => source::read(&file.parent().unwrap_or(Path::new("")).join(clip))?,
+    };
+    let mut warnings = Vec::new();
+    if project.blake3.as_deref().is_some_and(|hash| hash != source.blake3()) {
+        warnings.push(format!("{} has changed since the project was saved", source.name));
+    }
+    Ok(Opened { source: Arc::new(source), edits: project.edits, project: Some(file.to_owned()), warnings })
+}
+
+/// Reads a project from its text; `file` is for messages.
+///
+/// # Errors
+///
+/// When the text is not a project, with the place.
+pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
+    let fail = |offset: usize, problem| {
+        let (line, column) = place(text, offset);
+        ProjectError { file: file.to_owned(), line, column, problem }
+    };
+    let table = DeTable::parse(text)
+        .map_err(|e| fail(e.span().map_or(0, |s| s.start), Problem::Syntax(e.message().trim_end().to_owned())))?;
+    let format = table.get_ref().get("format");
+    let number = format.and_then(|f| text[f.span()].parse::<i64>().ok());
+    if !number.is_some_and(|n| (1..=FORMAT).contains(&n)) {
+        let (at, found) = format.map_or((0, "none".to_owned()), |f| (f.span().start, text[f.span()].to_owned()));
+        return Err(fail(at, Problem::Format(found)));
+    }
+
+    let mut project = Project::default();
+    let mut assignments = Vec::new();
+    let mut tables = vec![(String::new(), table.get_ref())];
+    while let Some((prefix, table)) = tables.pop() {
+        for (key, value) in table {
+            let name = format!("{prefix}{}", key.get_ref());
+            let at = key.span().start;
+            let text_value = |what| value.get_ref().as_str().map(str::to_owned).ok_or_else(|| fail(at, Problem::NotText(what)));
+            match (name.as_str(), value.get_ref()) {
+                ("format", _) => {}
+                ("clip.file", _) => project.clip_file = Some(text_value("clip.file")?),
+                ("clip.blake3", _) => project.blake3 = Some(text_value("clip.blake3")?),
+                (_, DeValue::Table(inner)) => tables.push((format!("{name}."), inner)),
+                _ => assignments.push((at, name, read_value(&text[value.span()]))),
+            }
+        }
+    }
+    // In table order, so that what one parameter does to another does not depend on the order in the file.
+    assignments.sort_by_key(|(_, name, _)| PARAMETERS.iter().position(|p| p.name == name));
+    for (at, name, value) in &assignments {
+        parameter(name).and_then(|p| p.set(&mut project.edits, value)).map_err(|e| fail(*at, e.into()))?;
+    }
+    let path = &project.edits.path;
+    if path.control_points.as_ref().is_some_and(|p| p.len() <= path.degree) {
+        let at = assignments.iter().find(|(_, name, _)| name == "path.control_points").map_or(0, |(at, ..)| *at);
+        let problem = SetError::TooFewPoints { degree: path.degree, found: path.points };
+        return Err(fail(at, problem.into()));
+    }
+    project.edits.path.points = path.points.max(path.degree + 1);
+    Ok(project)
+}
+
+/// Returns the project's text.
+pub(super) fn print(project: &Project) -> String {
+    let mut out = format!("format = {FORMAT}\n");
+    let mut section = "";
+    let mut begin = |out: &mut String, next: &'static str| {
+        if section != next {
+            section = next;
+            out.push_str(&format!("\n[{next}]\n"));
+        }
+    };
+    for (key, value) in [("file", &project.clip_file), ("blake3", &project.blake3)] {
+        if let Some(value) = value {
+            begin(&mut out, "clip");
+            out.push_str(&format!("{key} = {}\n", Value::String(value.clone())));
+        }
+    }
+    let defaults = Edits::default();
+    let given_points = project.edits.path.control_points.is_some();
+    for parameter in PARAMETERS.iter() {
+        let value = parameter.get(&project.edits);
+        let implied = parameter.name == "path.points" && given_points;
+        if value != parameter.get(&defaults) && !implied {
+            begin(&mut out, parameter.section());
+            let key = parameter.name.rsplit('.').next().expect("a name has a last part");
+            out.push_str(&format!("{key} = {}\n", print_value(&value)));
+        }
+    }
+    out
+}
+
+/// Writes the project beside its name, then renames: all or nothing.
+///
+/// # Errors
+///
+/// When the folder cannot be written.
+pub(super) fn save(project: &Project, file: &Path) -> Result<(), OpenError> {
+    write_file(file, print(project).as_bytes())
+}
+
+/// Writes a file beside its name, then renames it, so that nobody sees half of it.
+///
+/// # Errors
+///
+/// When the folder cannot be written.
+pub fn write_file(file: &Path, bytes: &[u8]) -> Result<(), OpenError> {
+    let fail = |source: std::io::Error| OpenError::Write { file: file.display().to_string(), why: source.to_string() };
+    let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    // A temporary file is private by default; this one becomes the user's, with the mode any new file gets.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut beside = builder.tempfile_in(folder).map_err(fail)?;
+    beside.write_all(bytes).map_err(fail)?;
+    beside.as_file().sync_all().map_err(fail)?;
+    if let Ok(old) = fs::metadata(file) {
+        beside.as_file().set_permissions(old.permissions()).map_err(fail)?;
+    }
+    beside.persist(file).map_err(|e| fail(e.error))?;
+    Ok(())
+}
+
+/// Returns the way from a project to its clip: relative where both are in or below one folder, else absolute.
+pub(super) fn clip_reference(project: &Path, clip: &Path) -> String {
+    let absolute = |p: &Path| std::path::absolute(p).unwrap_or_else(|_| p.to_owned());
+    let (project, clip) = (absolute(project), absolute(clip));
+    let folder = project.parent().unwrap_or(Path::new("/"));
+    let mut up = PathBuf::new();
+    for ancestor in folder.ancestors() {
+        if let Ok(rest) = clip.strip_prefix(ancestor)
+            && ancestor.parent().is_some()
+        {
+            return up.join(rest).display().to_string();
+        }
+        up.push("..");
+    }
+    clip.display().to_string()
+}
+
+/// Reads one value out of its own text.
+fn read_value(text: &str) -> Value {
+    let table: toml::Table = format!("value = {text}").parse().expect("a value's own text is a value");
+    table.into_iter().next().expect("one key").1
+}
+
+fn print_value(value: &Value) -> String {
+    match value {
+        Value::Array(items) if items.iter().all(Value::is_array) => {
+            let rows: String = items.iter().map(|item| format!("    {},\n", print_value(item))).collect();
+            format!("[\n{rows}]")
+        }
+        Value::Array(items) => format!("[{}]", items.iter().map(print_value).collect::<Vec<_>>().join(", ")),
+        Value::Float(f) => format!("{f:?}"),
+        Value::String(_) => value.to_string(),
+        other => show_value(other),
+    }
+}
+
+/// Line and column, from 1, of a byte offset.
+fn place(text: &str, offset: usize) -> (usize, usize) {
+    let before = &text[..offset.min(text.len())];
+    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Degree;
+    use glam::DVec3;
+
+    fn check_error(text: &str, expected: &str) {
+        assert_eq!(parse(text, "p.toml").map_err(|e| e.to_string()), Err(expected.to_owned()));
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let mut project = Project { clip_file: Some("walks/a \"b\".bvh".to_owned()), ..Project::default() };
+        project.blake3 = Some("00ff".to_owned());
+        project.edits.original.degree = Degree::Fixed(13);
+        project.edits.path.control_points =
+            Some((0..5).map(|i| DVec3::new(f64::from(i) / 3.0, 1e-7, -1e10)).collect());
+        project.edits.path.points = 5;
+        project.edits.view.show.ground = false;
+        project.edits.view.cameras[2].eye = Some(DVec3::new(1.0, 2.0, 3.0));
+        project.edits.clip.carrier = Some("Hips".to_owned());
+        let text = print(&project);
+        assert_eq!(parse(&text, "p.toml"), Ok(project.clone()));
+        assert_eq!(print(&parse(&text, "p.toml").expect("parses")), text);
+    }
+
+    #[test]
+    fn defaults_are_not_written() {
+        assert_eq!(print(&Project::default()), "format = 1\n");
+    }
+
+    #[test]
+    fn errors_name_the_place() {
+        check_error("", "p.toml:1:1: expected `format` from 1 to 1, found none; a newer walkabout may open it");
+        check_error("format = 9", "p.toml:1:10: expected `format` from 1 to 1, found 9; a newer walkabout may open it");
+        check_error(
+            "format = 1\n[path]\ndegre = 3\n",
+            "p.toml:3:1: there is no parameter `path.degre`; did you mean `path.degree`?",
+        );
+        check_error(
+            "format = 1\n[path]\ndegree = 30\n",
+            "p.toml:3:1: `path.degree` takes a whole number from 1 to 9, found `30`",
+        );
+        check_error(
+            "format = 1\npath.control_points = [[0, 0, 0], [1, 0, 0]]\n",
+            "p.toml:2:6: a path of degree 3 needs at least 4 control points, found 2",
+        );
+        check_error("format = 1\n[clip]\nfile = 3\n", "p.toml:3:1: `clip.file` is a text");
+        assert!(parse("format = 1\n[path\n", "p.toml").is_err());
+    }
+
+    #[test]
+    fn clips_are_named_from_the_project() {
+        let check = |project: &str, clip: &str, expected: &str| {
+            assert_eq!(clip_reference(Path::new(project), Path::new(clip)), expected);
+        };
+        check("/a/b/p.toml", "/a/b/c.bvh", "c.bvh");
+        check("/a/b/p.toml", "/a/x/c.bvh", "../x/c.bvh");
+        check("/a/b/p.toml", "/other/c.bvh", "/other/c.bvh");
+    }
+}

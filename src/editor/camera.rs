@@ -1,0 +1,182 @@
+//! The four camera presets: three-quarter, front, side and top, framing the whole motion until the user edits them.
+
+use glam::{DQuat, DVec3};
+
+use super::{
+    Editor,
+    picture::PlanArea,
+    view::{ViewState, followed},
+};
+use crate::{
+    document::{CameraEdits, Document, ProjectionKind},
+    scene::{Camera, Projection},
+};
+
+/// Names of the presets.
+pub const PRESET_NAMES: [&str; 4] = ["three-quarter", "front", "side", "top"];
+
+/// Turn of one orbit step, radians.
+const ORBIT_STEP: f64 = std::f64::consts::PI / 18.0;
+/// Pan of one step, a share of the distance to the target.
+const PAN_STEP: f64 = 0.08;
+/// Zoom of one step.
+const ZOOM_STEP: f64 = 0.88;
+/// The line of sight keeps this angle from the up direction, radians, so that up stays defined.
+const POLE_GAP: f64 = 0.02;
+/// A following preset frames this many body heights around the carrier.
+const FOLLOW_HEIGHTS: f64 = 1.3;
+
+/// A preset in world space, at rest: following not yet applied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// Eye point, world.
+    pub eye: DVec3,
+    /// Point looked at, world.
+    pub target: DVec3,
+    /// Up direction, world.
+    pub up: DVec3,
+    /// Vertical field of view, radians.
+    pub fov_y_rad: f64,
+    /// How depth is mapped.
+    pub projection: ProjectionKind,
+    /// Whether it moves along with the carrier.
+    pub follow: bool,
+}
+
+/// What moves a camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Move {
+    /// Steps about up, and towards up.
+    Orbit(i32, i32),
+    /// Steps to the right, and up.
+    Pan(i32, i32),
+    /// Steps nearer.
+    Zoom(i32),
+    /// Look along this axis of the clip (0 x, 1 y, 2 z), orthographic.
+    Along(usize),
+    /// Look at the carrier.
+    Target,
+}
+
+/// Resolves a preset: what the user changed, on top of a frame around the motion.
+pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset {
+    let solved = document.solved();
+    let edits = &document.edits().view.cameras[camera_idx];
+    let to_world = |v: DVec3| solved.clip.facts.up.value.to_world(v);
+    let direction = match camera_idx {
+        0 => DVec3::new(0.62, 0.42, 0.66),
+        1 => DVec3::Z,
+        2 => DVec3::X,
+        _ => DVec3::Y,
+    }
+    .normalize();
+    let own_projection = if camera_idx == 0 { ProjectionKind::Perspective } else { ProjectionKind::Orthographic };
+    let height = solved.clip.facts.height.value;
+    let (centre, radius) = if edits.follow {
+        (followed(solved, 0), FOLLOW_HEIGHTS * height)
+    } else {
+        (area.centre, area.radius_from(direction))
+    };
+    let target = edits.target.map_or(centre, to_world);
+    let fov_y_rad = edits.fov.to_radians();
+    let eye = edits.eye.map_or(target + direction * radius / (0.5 * fov_y_rad).sin(), to_world);
+    // A view straight down has the clip's far side at the top.
+    let own_up = if camera_idx == 3 { DVec3::NEG_Z } else { DVec3::Y };
+    let mut preset = Preset {
+        eye,
+        target,
+        up: edits.up.map_or(own_up, to_world),
+        fov_y_rad,
+        projection: edits.projection.unwrap_or(own_projection),
+        follow: edits.follow,
+    };
+    preset.mend(height);
+    preset
+}
+
+impl Preset {
+    /// Makes any numbers a user can type a camera: an eye apart from its target, an up across the line of sight.
+    fn mend(&mut self, height: f64) {
+        if self.eye.distance(self.target) < 1e-6 * height {
+            self.eye = self.target + height * DVec3::Z;
+        }
+        let sight = (self.target - self.eye).normalize();
+        self.up = self.up.try_normalize().unwrap_or(DVec3::Y);
+        if self.up.cross(sight).length() < 1e-3 {
+            self.up = if sight.y.abs() > 0.9 { DVec3::NEG_Z } else { DVec3::Y };
+        }
+    }
+
+    /// Returns the camera of this moment.
+    pub(super) fn camera(&self, offset: DVec3) -> Camera {
+        let offset = if self.follow { offset } else { DVec3::ZERO };
+        let distance = self.eye.distance(self.target);
+        Camera {
+            eye: self.eye + offset,
+            target: self.target + offset,
+            up: self.up,
+            projection: match self.projection {
+                ProjectionKind::Perspective => Projection::Perspective { fov_y_rad: self.fov_y_rad },
+                // As high as the perspective picture is at the target.
+                ProjectionKind::Orthographic => {
+                    Projection::Orthographic { height: 2.0 * distance * (0.5 * self.fov_y_rad).tan() }
+                }
+            },
+        }
+    }
+}
+
+/// Returns how far the carrier has come since the first frame: what a following camera moves by.
+pub(super) fn follow_offset(document: &Document, view: &ViewState) -> DVec3 {
+    followed(document.solved(), view.frame_idx) - followed(document.solved(), 0)
+}
+
+/// Returns the preset in use.
+pub(super) fn of(editor: &Editor) -> Preset {
+    preset(&editor.document, &editor.view.area, editor.view.camera_idx)
+}
+
+/// Returns the preset in use after a move, as edits.
+pub(super) fn moved(editor: &Editor, by: Move) -> CameraEdits {
+    let solved = editor.document.solved();
+    let up_axis = solved.clip.facts.up.value;
+    let mut edits = editor.document.edits().view.cameras[editor.view.camera_idx];
+    let mut preset = of(editor);
+    let arm = preset.eye - preset.target;
+    let right = preset.up.cross(arm).normalize();
+    let screen_up = arm.cross(right).normalize();
+    match by {
+        Move::Orbit(around, over) => {
+            let turned = DQuat::from_axis_angle(preset.up, f64::from(around) * ORBIT_STEP) * arm;
+            let axis = preset.up.cross(turned).normalize();
+            let polar = preset.up.angle_between(turned);
+            let wanted = polar - f64::from(over) * ORBIT_STEP;
+            let polar_step = wanted.clamp(POLE_GAP, std::f64::consts::PI - POLE_GAP) - polar;
+            preset.eye = preset.target + DQuat::from_axis_angle(axis, polar_step) * turned;
+        }
+        Move::Pan(across, along) => {
+            let step = (f64::from(across) * right + f64::from(along) * screen_up) * arm.length() * PAN_STEP;
+            preset.eye += step;
+            preset.target += step;
+        }
+        Move::Zoom(nearer) => preset.eye = preset.target + arm * ZOOM_STEP.powi(nearer),
+        Move::Along(axis) => {
+            let direction = up_axis.to_world([DVec3::X, DVec3::Y, DVec3::Z][axis]);
+            preset.eye = preset.target + direction * arm.length();
+            preset.up = if direction.y.abs() > 0.5 { DVec3::NEG_Z } else { DVec3::Y };
+            edits.projection = Some(ProjectionKind::Orthographic);
+        }
+        Move::Target => {
+            let offset = if preset.follow { follow_offset(&editor.document, &editor.view) } else { DVec3::ZERO };
+            let step = solved.carrier(editor.view.frame_idx).translation - offset - preset.target;
+            preset.eye += step;
+            preset.target += step;
+        }
+    }
+    CameraEdits {
+        eye: Some(up_axis.to_file(preset.eye)),
+        target: Some(up_axis.to_file(preset.target)),
+        up: Some(up_axis.to_file(preset.up)),
+        ..edits
+    }
+}

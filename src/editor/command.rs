@@ -1,0 +1,471 @@
+//! The command table: everything a key can do, with its name, its keys and one line of help.
+//!
+//! The keymap, the help, `walkabout keys` and the manual read this table. Adding a command is one row and one test.
+
+use glam::DVec3;
+use toml::Value;
+
+use super::{
+    Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
+    camera::{self, Move},
+};
+use crate::{
+    document::{Change, CameraEdits, ProjectionKind, parameter},
+    path::{Shape, ShapeKind},
+};
+
+/// Headings the help puts commands under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// Play and step.
+    Play,
+    /// The panel and its values.
+    Panel,
+    /// Control points.
+    Points,
+    /// Ready shapes.
+    Shapes,
+    /// Cameras.
+    Camera,
+    /// What is drawn.
+    Show,
+    /// Files, undo, windows.
+    File,
+}
+
+impl Group {
+    /// Returns the heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Play => "play",
+            Self::Panel => "panel",
+            Self::Points => "control points",
+            Self::Shapes => "ready shapes",
+            Self::Camera => "camera",
+            Self::Show => "show",
+            Self::File => "file, undo, window",
+        }
+    }
+}
+
+/// One row of the table.
+pub struct Command {
+    /// Name, lower case with dots.
+    pub name: &'static str,
+    /// Key sequences that run it, as texts.
+    pub keys: &'static [&'static str],
+    /// What it does, one line.
+    pub doc: &'static str,
+    /// Heading it stands under.
+    pub group: Group,
+    /// Whether it can do anything now.
+    pub works: fn(&Editor) -> bool,
+    /// Does it; is told its own name.
+    pub(super) run: fn(&mut Editor, &'static str) -> Effect,
+}
+
+const fn row(
+    group: Group,
+    name: &'static str,
+    keys: &'static [&'static str],
+    doc: &'static str,
+    works: fn(&Editor) -> bool,
+    run: fn(&mut Editor, &'static str) -> Effect,
+) -> Command {
+    Command { name, keys, doc, group, works, run }
+}
+
+fn always(_: &Editor) -> bool {
+    true
+}
+
+fn has_motion(editor: &Editor) -> bool {
+    editor.document.solved().edited.n_frames() > 1
+}
+
+fn path_editable(editor: &Editor) -> bool {
+    editor.document.solved().clip.facts.path_editable
+}
+
+fn selected_row(editor: &Editor) -> Option<super::Row> {
+    editor.rows().into_iter().find(|row| row.selected)
+}
+
+fn steps(editor: &Editor) -> bool {
+    matches!(selected_row(editor).map(|r| r.kind), Some(RowKind::Parameter(name))
+        if parameter(name).is_ok_and(|p| p.stepped(editor.document.edits(), 1, false).is_some()))
+}
+
+fn types(editor: &Editor) -> bool {
+    selected_row(editor).is_some_and(|r| r.kind != RowKind::Fact)
+}
+
+/// All commands, by group.
+pub const COMMANDS: &[Command] = &[
+    row(Group::Play, "play", &["<space>"], "Play or pause.", has_motion, |e, _| {
+        e.view.playing = !e.view.playing;
+        Effect::None
+    }),
+    row(Group::Play, "frame.next", &["."], "One frame forward.", has_motion, |e, _| step_frame(e, 1)),
+    row(Group::Play, "frame.previous", &[","], "One frame back.", has_motion, |e, _| step_frame(e, -1)),
+    row(Group::Play, "frame.start", &["<home>", "0"], "Jump to the start.", has_motion, |e, _| jump(e, 0)),
+    row(Group::Play, "frame.end", &["<end>", "$"], "Jump to the end.", has_motion, |e, _| jump(e, usize::MAX)),
+    row(Group::Play, "speed.down", &["<lt>"], "Play slower.", always, |e, c| step_value(e, c, "timing.speed", -1, false)),
+    row(Group::Play, "speed.up", &["<gt>"], "Play faster.", always, |e, c| step_value(e, c, "timing.speed", 1, false)),
+    row(Group::Panel, "tab.next", &["<tab>"], "Next tab.", always, |e, _| turn_tab(e, 1)),
+    row(Group::Panel, "tab.previous", &["<s-tab>"], "Previous tab.", always, |e, _| turn_tab(e, TABS.len() - 1)),
+    row(Group::Panel, "row.next", &["j", "<down>"], "Next row.", always, |e, _| move_row(e, 1)),
+    row(Group::Panel, "row.previous", &["k", "<up>"], "Previous row.", always, |e, _| move_row(e, -1)),
+    row(Group::Panel, "value.up", &["+", "=", "<right>"], "Increase the value, or the next choice.", steps, |e, c| {
+        step_row(e, c, 1, false)
+    }),
+    row(Group::Panel, "value.down", &["-", "<left>"], "Decrease the value, or the choice before.", steps, |e, c| {
+        step_row(e, c, -1, false)
+    }),
+    row(Group::Panel, "value.up_big", &["]"], "A big step up.", steps, |e, c| step_row(e, c, 1, true)),
+    row(Group::Panel, "value.down_big", &["["], "A big step down.", steps, |e, c| step_row(e, c, -1, true)),
+    row(Group::Panel, "value.type", &["<enter>"], "Type a value or coordinates.", types, |e, _| type_row(e)),
+    row(Group::Panel, "value.default", &["<backspace>"], "Back to the default.", steps, default_row),
+    row(Group::Panel, "set", &[":"], "Set any parameter: NAME=VALUE.", always, |e, _| ask(e, Asking::Assignment, "")),
+    row(Group::Points, "point.next", &["n"], "Next control point.", path_editable, |e, _| choose_point(e, 1)),
+    row(Group::Points, "point.previous", &["p"], "Previous control point.", path_editable, |e, _| choose_point(e, -1)),
+    row(Group::Points, "point.x_up", &["x"], "Move the point along +x by path.nudge.", path_editable, |e, c| {
+        nudge(e, c, DVec3::X)
+    }),
+    row(Group::Points, "point.x_down", &["X"], "Move the point along −x.", path_editable, |e, c| {
+        nudge(e, c, DVec3::NEG_X)
+    }),
+    row(Group::Points, "point.y_up", &["y"], "Move the point along +y.", path_editable, |e, c| nudge(e, c, DVec3::Y)),
+    row(Group::Points, "point.y_down", &["Y"], "Move the point along −y.", path_editable, |e, c| {
+        nudge(e, c, DVec3::NEG_Y)
+    }),
+    row(Group::Points, "point.z_up", &["z"], "Move the point along +z.", path_editable, |e, c| nudge(e, c, DVec3::Z)),
+    row(Group::Points, "point.z_down", &["Z"], "Move the point along −z.", path_editable, |e, c| {
+        nudge(e, c, DVec3::NEG_Z)
+    }),
+    row(Group::Points, "nudge.up", &["}"], "A larger nudge step.", always, |e, c| step_value(e, c, "path.nudge", 1, false)),
+    row(Group::Points, "nudge.down", &["{"], "A smaller nudge step.", always, |e, c| {
+        step_value(e, c, "path.nudge", -1, false)
+    }),
+    row(Group::Points, "point.type", &["c"], "Type the point's coordinates.", path_editable, |e, _| type_point(e)),
+    row(Group::Points, "point.insert", &["i"], "Insert a point after this one.", path_editable, insert_point),
+    row(Group::Points, "point.delete", &["d", "<delete>"], "Delete the point.", path_editable, |e, c| {
+        e.change(c, &Change::DeletePoint { point_idx: e.view.point_idx });
+        e.end_step();
+        Effect::None
+    }),
+    row(Group::Points, "path.reset", &["r"], "Back to the straight line.", path_editable, |e, c| {
+        e.change(c, &Change::Straighten);
+        Effect::None
+    }),
+    row(Group::Points, "path.edited", &["P"], "Walk the new path, or the clip's own.", path_editable, |e, c| {
+        step_value(e, c, "path.edited", 1, false)
+    }),
+    row(Group::Points, "cycling", &["C"], "Next way of cycling on a longer path.", path_editable, |e, c| {
+        step_value(e, c, "timing.cycling", 1, false)
+    }),
+    row(Group::Shapes, "shape.line", &["sl"], "A straight line.", path_editable, |e, c| shape(e, c, ShapeKind::Line)),
+    row(Group::Shapes, "shape.chord", &["sh"], "From the first point to the last.", path_editable, |e, c| {
+        shape(e, c, ShapeKind::Chord)
+    }),
+    row(Group::Shapes, "shape.original", &["so"], "The original path's own shape.", path_editable, |e, c| {
+        shape(e, c, ShapeKind::Original)
+    }),
+    row(Group::Shapes, "shape.circle", &["sc"], "A circle.", path_editable, |e, c| shape(e, c, ShapeKind::Circle)),
+    row(Group::Shapes, "shape.zigzag", &["sz"], "A zig-zag.", path_editable, |e, c| shape(e, c, ShapeKind::Zigzag)),
+    row(Group::Shapes, "shape.eight", &["se", "s8"], "A figure eight.", path_editable, |e, c| {
+        shape(e, c, ShapeKind::Eight)
+    }),
+    row(Group::Shapes, "shape.u", &["su"], "A U.", path_editable, |e, c| shape(e, c, ShapeKind::U)),
+    row(Group::Shapes, "shape.s", &["ss"], "An S.", path_editable, |e, c| shape(e, c, ShapeKind::S)),
+    row(Group::Camera, "camera.1", &["1"], "Camera 1, three-quarter.", always, |e, _| use_camera(e, 0)),
+    row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, _| use_camera(e, 1)),
+    row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, _| use_camera(e, 2)),
+    row(Group::Camera, "camera.4", &["4"], "Camera 4, top.", always, |e, _| use_camera(e, 3)),
+    row(Group::Camera, "orbit.left", &["<s-left>", "H"], "Orbit left.", always, |e, c| move_camera(e, c, Move::Orbit(-1, 0))),
+    row(Group::Camera, "orbit.right", &["<s-right>", "L"], "Orbit right.", always, |e, c| {
+        move_camera(e, c, Move::Orbit(1, 0))
+    }),
+    row(Group::Camera, "orbit.up", &["<s-up>", "K"], "Orbit up.", always, |e, c| move_camera(e, c, Move::Orbit(0, 1))),
+    row(Group::Camera, "orbit.down", &["<s-down>", "J"], "Orbit down.", always, |e, c| {
+        move_camera(e, c, Move::Orbit(0, -1))
+    }),
+    row(Group::Camera, "pan.left", &["<a-left>", "<a-h>"], "Pan left.", always, |e, c| move_camera(e, c, Move::Pan(-1, 0))),
+    row(Group::Camera, "pan.right", &["<a-right>", "<a-l>"], "Pan right.", always, |e, c| move_camera(e, c, Move::Pan(1, 0))),
+    row(Group::Camera, "pan.up", &["<a-up>", "<a-k>"], "Pan up.", always, |e, c| move_camera(e, c, Move::Pan(0, 1))),
+    row(Group::Camera, "pan.down", &["<a-down>", "<a-j>"], "Pan down.", always, |e, c| move_camera(e, c, Move::Pan(0, -1))),
+    row(Group::Camera, "zoom.in", &["<pageup>", ")"], "Zoom in.", always, |e, c| move_camera(e, c, Move::Zoom(1))),
+    row(Group::Camera, "zoom.out", &["<pagedown>", "("], "Zoom out.", always, |e, c| move_camera(e, c, Move::Zoom(-1))),
+    row(Group::Camera, "look.x", &["ax"], "Look along x, orthographic.", always, |e, c| move_camera(e, c, Move::Along(0))),
+    row(Group::Camera, "look.y", &["ay"], "Look along y, orthographic.", always, |e, c| move_camera(e, c, Move::Along(1))),
+    row(Group::Camera, "look.z", &["az"], "Look along z, orthographic.", always, |e, c| move_camera(e, c, Move::Along(2))),
+    row(Group::Camera, "projection", &["o"], "Perspective or orthographic.", always, |e, c| {
+        let kind = camera::of(e).projection;
+        let next = match kind {
+            ProjectionKind::Perspective => "orthographic",
+            ProjectionKind::Orthographic => "perspective",
+        };
+        set_camera(e, c, "projection", Value::String(next.to_owned()))
+    }),
+    row(Group::Camera, "follow", &["f"], "Follow the carrier, or stand still.", always, |e, c| {
+        let follow = !e.document.edits().view.cameras[e.view.camera_idx].follow;
+        set_camera(e, c, "follow", Value::Boolean(follow))
+    }),
+    row(Group::Camera, "target", &["t"], "Look at the carrier.", always, |e, c| move_camera(e, c, Move::Target)),
+    row(Group::Camera, "camera.reset", &["ar"], "The preset as it came.", always, |e, c| {
+        let default = CameraEdits::default();
+        put_camera(e, c, default)
+    }),
+    row(Group::Show, "show.original_skeleton", &["vo"], "The actor as captured.", always, |e, c| {
+        step_value(e, c, "show.original_skeleton", 1, false)
+    }),
+    row(Group::Show, "show.new_skeleton", &["vn"], "The actor on the new path.", always, |e, c| {
+        step_value(e, c, "show.new_skeleton", 1, false)
+    }),
+    row(Group::Show, "show.original_path", &["vO"], "The path fitted to the clip.", always, |e, c| {
+        step_value(e, c, "show.original_path", 1, false)
+    }),
+    row(Group::Show, "show.new_path", &["vN"], "The new path.", always, |e, c| step_value(e, c, "show.new_path", 1, false)),
+    row(Group::Show, "show.control_points", &["vc"], "The control points.", always, |e, c| {
+        step_value(e, c, "show.control_points", 1, false)
+    }),
+    row(Group::Show, "show.original_tracker", &["vT"], "The block on the original path.", always, |e, c| {
+        step_value(e, c, "show.original_tracker", 1, false)
+    }),
+    row(Group::Show, "show.new_tracker", &["vt"], "The block on the new path.", always, |e, c| {
+        step_value(e, c, "show.new_tracker", 1, false)
+    }),
+    row(Group::Show, "show.ground", &["vg"], "The ground.", always, |e, c| step_value(e, c, "show.ground", 1, false)),
+    row(Group::Show, "show.traces", &["vr"], "The trails of hands, feet and head.", always, |e, c| {
+        step_value(e, c, "show.traces", 1, false)
+    }),
+    row(Group::Show, "show.labels", &["vl"], "The names in the picture.", always, |e, c| {
+        step_value(e, c, "show.labels", 1, false)
+    }),
+    row(Group::File, "help", &["?", "<f1>"], "The keys that work now.", always, |e, _| {
+        e.view.help = Some(0);
+        Effect::None
+    }),
+    row(Group::File, "undo", &["u"], "Undo.", always, |e, _| travel(e, "undo", crate::document::Document::undo)),
+    row(Group::File, "redo", &["U", "<c-r>"], "Redo.", always, |e, _| travel(e, "redo", crate::document::Document::redo)),
+    row(Group::File, "window", &["w"], "Open or close the preview window.", always, |_, _| Effect::ToggleWindow),
+    row(Group::File, "pane", &["b"], "The rendered picture in the terminal, or the plan.", always, |_, _| Effect::TogglePane),
+    row(Group::File, "save", &["S", "<c-s>"], "Save the project.", always, |e, _| save(e)),
+    row(Group::File, "save_as", &["A"], "Save the project under another name.", always, |e, _| {
+        let offered = project_name(e);
+        ask(e, Asking::Save, &offered)
+    }),
+    row(Group::File, "export", &["E"], "Export the edited clip as BVH.", always, |e, _| {
+        let offered = export_name(e);
+        ask(e, Asking::Export, &offered)
+    }),
+    row(Group::File, "redraw", &["<c-l>"], "Draw everything anew.", always, |_, _| Effect::Redraw),
+    row(Group::File, "suspend", &["<c-z>"], "Stop until the shell continues us.", always, |_, _| Effect::Suspend),
+    row(Group::File, "quit", &["q", "<c-c>"], "Quit; asks when the project is not saved.", always, |e, _| {
+        if e.document.is_modified() { ask(e, Asking::Quit, "") } else { Effect::Quit }
+    }),
+];
+
+fn jump(editor: &mut Editor, frame_idx: usize) -> Effect {
+    let last = editor.document.solved().edited.n_frames().saturating_sub(1);
+    editor.view.jump(frame_idx.min(last));
+    Effect::None
+}
+
+fn step_frame(editor: &mut Editor, by: i64) -> Effect {
+    editor.view.playing = false;
+    let n_frames = editor.document.solved().edited.n_frames() as i64;
+    let next = (editor.view.frame_idx as i64 + by).rem_euclid(n_frames);
+    jump(editor, next as usize)
+}
+
+fn turn_tab(editor: &mut Editor, by: usize) -> Effect {
+    editor.view.tab_idx = (editor.view.tab_idx + by) % TABS.len();
+    Effect::None
+}
+
+fn move_row(editor: &mut Editor, by: i64) -> Effect {
+    let rows = editor.rows();
+    let row = (editor.view.rows[editor.view.tab_idx] as i64 + by).max(0) as usize;
+    editor.view.select_row(&rows, row);
+    editor.follow_document();
+    Effect::None
+}
+
+fn step_value(editor: &mut Editor, command: &'static str, name: &str, n: i64, big: bool) -> Effect {
+    let parameter = parameter(name).expect("the command table names parameters of the table");
+    if let Some(value) = parameter.stepped(editor.document.edits(), n, big) {
+        let text = crate::document::show_value(&value);
+        editor.set(command, name, value);
+        if editor.view.message.is_none() {
+            editor.say(Message::note(format!("{name} {text}")));
+        }
+    }
+    Effect::None
+}
+
+fn step_row(editor: &mut Editor, command: &'static str, n: i64, big: bool) -> Effect {
+    match selected_row(editor).map(|r| r.kind) {
+        Some(RowKind::Parameter(name)) => {
+            if let Some(value) = stepped(editor, name, n, big) {
+                editor.set(command, name, value);
+            }
+            Effect::None
+        }
+        _ => Effect::None,
+    }
+}
+
+fn stepped(editor: &Editor, name: &str, n: i64, big: bool) -> Option<Value> {
+    parameter(name).ok()?.stepped(editor.document.edits(), n, big)
+}
+
+fn default_row(editor: &mut Editor, command: &'static str) -> Effect {
+    if let Some(RowKind::Parameter(name)) = selected_row(editor).map(|r| r.kind) {
+        let default = parameter(name).expect("rows name parameters of the table").default_value();
+        editor.set(command, name, default);
+        editor.end_step();
+    }
+    Effect::None
+}
+
+fn ask(editor: &mut Editor, asking: Asking, offered: &str) -> Effect {
+    editor.prompt = Some(Prompt::new(asking, offered));
+    Effect::None
+}
+
+fn type_row(editor: &mut Editor) -> Effect {
+    match selected_row(editor).map(|r| (r.kind, r.value)) {
+        Some((RowKind::Parameter(name), value)) => ask(editor, Asking::Value { name }, &value),
+        Some((RowKind::Point { .. }, _)) => type_point(editor),
+        _ => Effect::None,
+    }
+}
+
+fn type_point(editor: &mut Editor) -> Effect {
+    let point_idx = editor.view.point_idx;
+    let p = editor.document.solved().control_points()[point_idx];
+    ask(editor, Asking::Coordinates { point_idx }, &format!("{} {} {}", p.x, p.y, p.z))
+}
+
+fn choose_point(editor: &mut Editor, by: i64) -> Effect {
+    let n_points = editor.document.solved().control_points().len() as i64;
+    editor.view.point_idx = (editor.view.point_idx as i64 + by).rem_euclid(n_points) as usize;
+    show_point_row(editor);
+    editor.follow_document();
+    Effect::None
+}
+
+/// Moves the panel's selection to the selected point's row, where the panel shows points.
+fn show_point_row(editor: &mut Editor) {
+    if TABS[editor.view.tab_idx] == Tab::Path {
+        let wanted = RowKind::Point { point_idx: editor.view.point_idx };
+        if let Some(row) = editor.rows().iter().position(|r| r.kind == wanted) {
+            editor.view.rows[editor.view.tab_idx] = row;
+        }
+    }
+}
+
+fn nudge(editor: &mut Editor, command: &'static str, direction: DVec3) -> Effect {
+    let solved = editor.document.solved();
+    let point_idx = editor.view.point_idx;
+    let step = editor.document.edits().path.nudge * solved.clip.facts.height.value;
+    let to = solved.control_points()[point_idx] + step * direction;
+    editor.change(command, &Change::PlacePoint { point_idx, to });
+    show_point_row(editor);
+    Effect::None
+}
+
+fn insert_point(editor: &mut Editor, command: &'static str) -> Effect {
+    let before = editor.document.solved().control_points().len();
+    editor.change(command, &Change::InsertPoint { after_idx: editor.view.point_idx });
+    if editor.document.solved().control_points().len() > before {
+        editor.view.point_idx += 1;
+        show_point_row(editor);
+        editor.follow_document();
+    }
+    editor.end_step();
+    Effect::None
+}
+
+fn shape(editor: &mut Editor, command: &'static str, kind: ShapeKind) -> Effect {
+    editor.change(command, &Change::Set { values: Vec::new(), shape: Some(Shape { kind, size: 1.0 }) });
+    editor.end_step();
+    Effect::None
+}
+
+fn use_camera(editor: &mut Editor, camera_idx: usize) -> Effect {
+    editor.view.camera_idx = camera_idx;
+    Effect::None
+}
+
+fn set_camera(editor: &mut Editor, command: &'static str, field: &str, value: Value) -> Effect {
+    let name = format!("camera.{}.{field}", editor.view.camera_idx + 1);
+    let text = crate::document::show_value(&value);
+    editor.set(command, &name, value);
+    editor.say(Message::note(format!("{name} {text}")));
+    Effect::None
+}
+
+fn move_camera(editor: &mut Editor, command: &'static str, by: Move) -> Effect {
+    let moved = camera::moved(editor, by);
+    put_camera(editor, command, moved)
+}
+
+fn put_camera(editor: &mut Editor, command: &'static str, camera: CameraEdits) -> Effect {
+    let prefix = format!("camera.{}", editor.view.camera_idx + 1);
+    let mut edits = (**editor.document.edits()).clone();
+    edits.view.cameras[editor.view.camera_idx] = camera;
+    let fields = ["eye", "target", "up", "fov", "projection", "follow"].map(|field| format!("{prefix}.{field}"));
+    let values = fields.map(|name| {
+        let value = parameter(&name).expect("the table has every camera field").get(&edits);
+        (name, value)
+    });
+    editor.change(command, &Change::Set { values: values.to_vec(), shape: None });
+    Effect::None
+}
+
+fn travel(editor: &mut Editor, word: &str, go: fn(&mut crate::document::Document) -> bool) -> Effect {
+    let moved = go(&mut editor.document);
+    let (back, forward) = editor.document.depth();
+    editor.say(Message::note(if moved {
+        format!("{word}: {back} steps behind, {forward} ahead")
+    } else {
+        format!("nothing to {word}")
+    }));
+    editor.follow_document();
+    Effect::None
+}
+
+fn project_name(editor: &Editor) -> String {
+    let source = &editor.document.solved().source;
+    let named = editor.document.project().map(|p| p.display().to_string());
+    named.unwrap_or_else(|| match &source.file {
+        Some(file) => file.with_extension("toml").display().to_string(),
+        None => "walk.toml".to_owned(),
+    })
+}
+
+fn export_name(editor: &Editor) -> String {
+    let source = &editor.document.solved().source;
+    match &source.file {
+        Some(file) => {
+            let stem = file.file_stem().map_or_else(|| "walk".into(), |s| s.to_string_lossy());
+            file.with_file_name(format!("{stem}_edited.bvh")).display().to_string()
+        }
+        None => "walk_edited.bvh".to_owned(),
+    }
+}
+
+fn save(editor: &mut Editor) -> Effect {
+    match editor.document.project().map(std::path::Path::to_owned) {
+        Some(file) => {
+            editor.save_to(&file);
+            Effect::None
+        }
+        None => {
+            let offered = project_name(editor);
+            ask(editor, Asking::Save, &offered)
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! From key presses to commands: whole sequences are matched, unfinished ones wait and show what may follow.
+
+use super::{
+    COMMANDS, Command, Editor, Effect, Message,
+    command::Group,
+};
+use crate::key::{Code, Key};
+
+/// One line of the help: keys that work now and what they do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hint {
+    /// Heading the line stands under.
+    pub group: Group,
+    /// Key texts, the rest of the sequence if one has begun.
+    pub keys: Vec<String>,
+    /// What they do, one line.
+    pub doc: &'static str,
+}
+
+/// Acts on a key outside a prompt.
+pub(super) fn press(editor: &mut Editor, key: Key) -> Effect {
+    if let Some(scroll) = editor.view.help {
+        editor.view.help = match key.code {
+            Code::Down | Code::Char('j') => Some(scroll + 1),
+            Code::Up | Code::Char('k') => Some(scroll.saturating_sub(1)),
+            Code::PageDown | Code::Char(' ') => Some(scroll + 10),
+            Code::PageUp => Some(scroll.saturating_sub(10)),
+            _ => None,
+        };
+        return Effect::None;
+    }
+    editor.pending.push(key);
+    let pending = std::mem::take(&mut editor.pending);
+    let mut unfinished = false;
+    for command in COMMANDS.iter().filter(|c| (c.works)(editor)) {
+        for keys in sequences(command) {
+            if keys == pending {
+                return run(editor, command);
+            }
+            unfinished |= keys.starts_with(&pending);
+        }
+    }
+    if unfinished {
+        editor.pending = pending;
+    } else if key.code != Code::Esc {
+        let text: String = pending.iter().map(ToString::to_string).collect();
+        editor.say(Message::note(format!("{text} does nothing here; ? shows the keys")));
+    }
+    Effect::None
+}
+
+/// Runs a command; one that made no step ends the joining of steps.
+fn run(editor: &mut Editor, command: &'static Command) -> Effect {
+    editor.made_step = false;
+    let effect = (command.run)(editor, command.name);
+    if !editor.made_step {
+        editor.end_step();
+    }
+    effect
+}
+
+fn sequences(command: &Command) -> impl Iterator<Item = Vec<Key>> + '_ {
+    command.keys.iter().map(|text| Key::parse_sequence(text).expect("the command table's keys parse"))
+}
+
+/// Returns the keys that work now.
+pub(super) fn hints(editor: &Editor) -> Vec<Hint> {
+    COMMANDS
+        .iter()
+        .filter(|c| (c.works)(editor))
+        .filter_map(|command| {
+            let rest = sequences(command).filter_map(|keys| {
+                let rest = keys.strip_prefix(editor.pending.as_slice())?;
+                Some(rest.iter().map(ToString::to_string).collect::<String>())
+            });
+            let keys: Vec<_> = rest.filter(|k| !k.is_empty()).collect();
+            (!keys.is_empty()).then_some(Hint { group: command.group, keys, doc: command.doc })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    #[test]
+    fn no_sequence_is_taken_twice_or_hides_another() {
+        let mut taken: HashMap<Vec<Key>, &str> = HashMap::new();
+        for command in COMMANDS {
+            for keys in sequences(command) {
+                for (other, name) in &taken {
+                    let clash = keys.starts_with(other) || other.starts_with(&keys);
+                    assert!(!clash, "{} and {name} share keys", command.name);
+                }
+                taken.insert(keys, command.name);
+            }
+        }
+    }
+}

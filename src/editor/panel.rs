@@ -1,0 +1,255 @@
+//! The panel: tabs of rows, read from the parameter table.
+
+use super::Editor;
+use crate::document::{PARAMETERS, Parameter};
+
+/// One tab of the panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tab {
+    /// The new path and its control points.
+    Path,
+    /// The path fitted to the clip and what is carried.
+    Original,
+    /// Speed along the path.
+    Timing,
+    /// What the file holds.
+    Clip,
+    /// What is drawn.
+    Show,
+    /// The camera preset in use.
+    Camera,
+    /// Residuals over time.
+    Residuals,
+    /// Quality numbers.
+    Quality,
+}
+
+/// The tabs in order.
+pub const TABS: [Tab; 8] = [
+    Tab::Path,
+    Tab::Original,
+    Tab::Timing,
+    Tab::Clip,
+    Tab::Show,
+    Tab::Camera,
+    Tab::Residuals,
+    Tab::Quality,
+];
+
+impl Tab {
+    /// Returns the tab's title.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Original => "original",
+            Self::Timing => "timing",
+            Self::Clip => "clip",
+            Self::Show => "show",
+            Self::Camera => "camera",
+            Self::Residuals => "residuals",
+            Self::Quality => "quality",
+        }
+    }
+
+    fn holds(self, parameter: &Parameter, camera_idx: usize) -> bool {
+        let section = parameter.section();
+        match self {
+            // The points are rows of their own.
+            Self::Path => section == "path" && parameter.name != "path.control_points",
+            Self::Original => ["original", "residual", "heading"].contains(&section),
+            Self::Timing => section == "timing",
+            Self::Clip => section == "clip",
+            Self::Show => section == "show",
+            Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
+            Self::Residuals | Self::Quality => false,
+        }
+    }
+}
+
+/// One row of the panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What the row is.
+    pub kind: RowKind,
+    /// Name at the left.
+    pub label: String,
+    /// Value at the right.
+    pub value: String,
+    /// Unit after the value; empty for none.
+    pub unit: &'static str,
+    /// Whether the value differs from the default.
+    pub changed: bool,
+    /// Whether keys act on this row.
+    pub selected: bool,
+    /// One line of help, the range included.
+    pub help: String,
+}
+
+/// What a row stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RowKind {
+    /// A parameter.
+    Parameter(&'static str),
+    /// A control point.
+    Point {
+        /// Index of the point.
+        point_idx: usize,
+    },
+    /// Something to read.
+    Fact,
+}
+
+/// Returns the rows of the tab in use.
+pub(super) fn rows(editor: &Editor) -> Vec<Row> {
+    let view = &editor.view;
+    let tab = TABS[view.tab_idx];
+    let edits = editor.document.edits();
+    let mut rows: Vec<Row> = PARAMETERS
+        .iter()
+        .filter(|p| tab.holds(p, view.camera_idx))
+        .map(|p| Row {
+            kind: RowKind::Parameter(p.name),
+            label: p.name.to_owned(),
+            value: p.display(edits),
+            unit: p.unit,
+            changed: p.get(edits) != p.default_value(),
+            selected: false,
+            help: format!("{} Takes {}.", p.doc, p.kind.in_words()),
+        })
+        .collect();
+    match tab {
+        Tab::Path => rows.extend(point_rows(editor)),
+        Tab::Clip => rows.extend(fact_rows(editor)),
+        Tab::Original => rows.extend(original_rows(editor)),
+        Tab::Timing => rows.extend(timing_rows(editor)),
+        Tab::Quality => rows.extend(quality_rows(editor)),
+        Tab::Show | Tab::Camera | Tab::Residuals => {}
+    }
+    if let Some(row) = rows.get_mut(view.rows[view.tab_idx]) {
+        row.selected = true;
+    }
+    rows
+}
+
+fn fact(label: &str, value: String, help: String) -> Row {
+    Row { kind: RowKind::Fact, label: label.to_owned(), value, unit: "", changed: false, selected: false, help }
+}
+
+fn point_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let given = editor.document.edits().path.control_points.is_some();
+    let points = solved.control_points();
+    let digits = decimals(solved.clip.facts.height.value);
+    points
+        .iter()
+        .enumerate()
+        .map(|(point_idx, p)| Row {
+            kind: RowKind::Point { point_idx },
+            label: format!("{} point {}", if point_idx == editor.view.point_idx { '◆' } else { '●' }, point_idx + 1),
+            value: format!("{:.digits$} {:.digits$} {:.digits$}", p.x, p.y, p.z),
+            unit: "",
+            changed: given,
+            selected: false,
+            help: "x X y Y z Z move it by path.nudge, enter types its coordinates (the clip's axes).".to_owned(),
+        })
+        .collect()
+}
+
+/// Decimals that show a thousandth of a body height.
+fn decimals(height: f64) -> usize {
+    (3.0 - height.log10()).ceil().clamp(0.0, 6.0) as usize
+}
+
+fn fact_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let (clip, facts) = (&solved.clip, &solved.clip.facts);
+    let digits = decimals(facts.height.value);
+    vec![
+        fact("file", solved.source.name.clone(), "The clip as loaded.".to_owned()),
+        fact("frames", clip.n_file_frames().to_string(), "Frames in the file, rest frames included.".to_owned()),
+        fact("frame time", format!("{:.6} s", clip.frame_time_secs), "Seconds from one frame to the next.".to_owned()),
+        fact("joints", clip.skeleton.n_joints().to_string(), "Joints, end sites not counted.".to_owned()),
+        fact("carrier", clip.skeleton.joint(facts.carrier.value).name.clone(), sentence(&facts.carrier.why)),
+        fact("up", format!("{:?}", facts.up.value).to_lowercase(), sentence(&facts.up.why)),
+        fact("root offset", format!("{:?}", facts.root_offset.value).to_lowercase(), sentence(&facts.root_offset.why)),
+        fact(
+            "joint offsets",
+            format!("{:?}", facts.joint_offsets.value).to_lowercase(),
+            sentence(&facts.joint_offsets.why),
+        ),
+        fact("rest frames", facts.rest_frames.value.to_string(), sentence(&facts.rest_frames.why)),
+        fact("height", format!("{:.digits$}", facts.height.value), sentence(&facts.height.why)),
+        fact("unit", facts.unit.value.unwrap_or("unknown").to_owned(), sentence(&facts.unit.why)),
+    ]
+}
+
+fn sentence(why: &str) -> String {
+    let mut chars = why.chars();
+    chars.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), chars.as_str()))
+}
+
+fn original_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let digits = decimals(solved.clip.facts.height.value);
+    let rms = solved.residual_rms();
+    vec![
+        fact("degree in use", solved.original.degree().to_string(), "After the rule of auto and the cap.".to_owned()),
+        fact(
+            "length",
+            format!("{:.digits$}", solved.original.length()),
+            "Arc length of the original path, the clip's unit.".to_owned(),
+        ),
+        fact(
+            "residual RMS",
+            format!("{:.digits$} {:.digits$} {:.digits$}", rms.x, rms.y, rms.z),
+            "What the path leaves over along x, y, z of the clip's axes, the clip's unit.".to_owned(),
+        ),
+    ]
+}
+
+fn timing_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let digits = decimals(solved.clip.facts.height.value);
+    let secs = |n: usize| format!("{n} frames, {:.2} s", n as f64 * solved.clip.frame_time_secs);
+    vec![
+        fact("clip", secs(solved.clip.n_frames()), "The clip without its rest frames.".to_owned()),
+        fact("edited", secs(solved.edited.n_frames()), "What would be exported, without rest frames.".to_owned()),
+        fact(
+            "path length",
+            format!("{:.digits$}", solved.new_path.length()),
+            "Arc length of the new path, the clip's unit.".to_owned(),
+        ),
+    ]
+}
+
+fn quality_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let measures = &solved.measures;
+    let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.4}"));
+    let rms = solved.residual_rms() / solved.clip.facts.height.value;
+    let mut rows = vec![
+        fact(
+            "jerk ratio",
+            number(measures.jerk_ratio),
+            "Mean third difference of all joints, edited over source; 1 is as smooth as the performer.".to_owned(),
+        ),
+        fact(
+            "path error",
+            number(measures.path_error),
+            "Largest distance of the carrier, residual removed, from the new path; body heights.".to_owned(),
+        ),
+        fact(
+            "residual RMS",
+            format!("{:.4} {:.4} {:.4}", rms.x, rms.y, rms.z),
+            "What the original path leaves over along x, y, z; body heights.".to_owned(),
+        ),
+    ];
+    rows.extend(measures.seam.iter().map(|seam| {
+        fact(
+            &format!("seam at {}", seam.frame),
+            format!("{:.3} {:.3} {:.3}", seam.position, seam.rotation, seam.velocity),
+            "Position, rotation and velocity step at the seam against the largest neighbouring step.".to_owned(),
+        )
+    }));
+    rows
+}

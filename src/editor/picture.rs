@@ -1,0 +1,250 @@
+//! The scene: what is to be seen now, built from the document and the view state.
+//!
+//! The still part is made anew only when what it shows has changed, and then gets the next revision number; the
+//! moving part is made for every frame.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::{
+    body::body,
+    camera::{self, PRESET_NAMES},
+    view::ViewState,
+};
+use crate::{
+    document::{Document, Edits, ProjectionKind, Solved},
+    scene::{Curve, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
+};
+
+/// Points a drawn curve is sampled at.
+const CURVE_POINTS: usize = 400;
+/// Marks and trackers, body heights.
+const POINT_RADIUS: f64 = 0.035;
+const TRACKER_RADIUS: f64 = 0.06;
+
+/// A box around everything that moves: what the plan and the camera presets frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanArea {
+    /// Centre of the box, world.
+    pub centre: DVec3,
+    /// Half its edges, world; positive.
+    pub half_extents: DVec3,
+}
+
+impl PlanArea {
+    /// Returns the radius of a sphere that holds the box as seen from a direction.
+    pub(super) fn radius_from(&self, direction: DVec3) -> f64 {
+        let h = self.half_extents;
+        // Across the line of sight the box is as large as its extents without their part along it.
+        let along = (h * direction.abs()).length();
+        (h.length_squared() - 0.5 * along * along).sqrt()
+    }
+
+    /// Keeps this box while it still frames the other one well, so that views stay still under small edits.
+    pub(super) fn keep_or(self, needed: Self) -> Self {
+        let outside = (needed.centre - self.centre).abs() + needed.half_extents - self.half_extents;
+        let too_large = self.half_extents.max_element() > 2.0 * needed.half_extents.max_element();
+        if outside.max_element() > 0.0 || too_large { needed } else { self }
+    }
+}
+
+/// Returns the box around both carriers' ways, the control points and a body.
+pub(super) fn area(solved: &Solved) -> PlanArea {
+    let height = solved.clip.facts.height.value;
+    let up = solved.clip.facts.up.value;
+    let floor = solved.clip.facts.floor;
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    let originals = (0..solved.clip.n_frames()).map(|f| solved.clip.carrier_world(f).translation);
+    let edited = (0..solved.edited.n_frames()).map(|f| solved.carrier(f).translation);
+    let points = solved.control_points().into_iter().map(|p| up.to_world(p));
+    for p in originals.chain(edited).chain(points) {
+        low = low.min(p);
+        high = high.max(p);
+    }
+    let margin = DVec3::new(0.5, 0.0, 0.5) * height;
+    low = (low - margin).with_y(low.y.min(floor));
+    high = (high + margin).with_y(high.y.max(floor + 1.05 * height));
+    PlanArea { centre: low.midpoint(high), half_extents: 0.5 * (high - low) }
+}
+
+/// The still part in use and what it was made from.
+#[derive(Clone, Debug)]
+pub(super) struct Stills {
+    still: Arc<Still>,
+    made_from: Option<(Arc<Solved>, usize, PlanArea)>,
+}
+
+impl Default for Stills {
+    fn default() -> Self {
+        let still = Still {
+            revision: 0,
+            body_height: 1.0,
+            bodies: Vec::new(),
+            curves: Vec::new(),
+            marks: Vec::new(),
+            labels: Vec::new(),
+            ground: None,
+        };
+        Self { still: Arc::new(still), made_from: None }
+    }
+}
+
+impl Stills {
+    pub(super) fn still(&self) -> &Arc<Still> {
+        &self.still
+    }
+
+    /// Makes the still part anew if what it shows has changed.
+    pub(super) fn follow(&mut self, document: &Document, view: &ViewState) {
+        let solved = document.solved();
+        let same = self.made_from.as_ref().is_some_and(|(old, point_idx, area)| {
+            Arc::ptr_eq(old, solved) && *point_idx == view.point_idx && *area == view.area
+        });
+        if !same {
+            let revision = self.still.revision + 1;
+            self.still = Arc::new(still_scene(solved, document.edits(), view.point_idx, &view.area, revision));
+            self.made_from = Some((Arc::clone(solved), view.point_idx, view.area));
+        }
+    }
+}
+
+/// Builds the part of the picture that stays while the clip plays.
+pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &PlanArea, revision: u64) -> Still {
+    let show = edits.view.show;
+    let height = solved.clip.facts.height.value;
+    let up = solved.clip.facts.up.value;
+    let controls: Vec<DVec3> = solved.control_points().into_iter().map(|p| up.to_world(p)).collect();
+    let mut curves = Vec::new();
+    let mut curve = |role, stroke, points: Vec<DVec3>| curves.push(Curve { role, stroke, points });
+    if show.original_path {
+        curve(Role::OriginalPath, Stroke::Dashed, solved.original_polyline(CURVE_POINTS));
+    }
+    if show.new_path {
+        curve(Role::NewPath, Stroke::Solid, solved.new_path_polyline(CURVE_POINTS));
+    }
+    if show.control_points {
+        curve(Role::ControlPoint, Stroke::Dashed, controls.clone());
+    }
+    if show.traces {
+        for trace in traces(solved) {
+            curve(Role::Trace, Stroke::Solid, trace);
+        }
+    }
+    let mark = |(idx, &at): (usize, &DVec3)| Mark {
+        role: if idx == point_idx { Role::SelectedControlPoint } else { Role::ControlPoint },
+        at,
+        radius: if idx == point_idx { 1.5 * POINT_RADIUS * height } else { POINT_RADIUS * height },
+    };
+    let marks = if show.control_points { controls.iter().enumerate().map(mark).collect() } else { Vec::new() };
+    let label = |(idx, &at): (usize, &DVec3)| Label {
+        role: if idx == point_idx { Role::SelectedControlPoint } else { Role::ControlPoint },
+        at: at + DVec3::Y * 2.0 * POINT_RADIUS * height,
+        text: (idx + 1).to_string(),
+    };
+    let labels = if show.control_points && show.labels {
+        controls.iter().enumerate().map(label).collect()
+    } else {
+        Vec::new()
+    };
+    Still {
+        revision,
+        body_height: height,
+        bodies: vec![body(&solved.clip, Role::OriginalSkeleton), body(&solved.clip, Role::NewSkeleton)],
+        curves,
+        marks,
+        labels,
+        ground: show.ground.then(|| Ground {
+            height: solved.clip.facts.floor,
+            centre: area.centre,
+            half_extent: 2.0 * area.half_extents.x.max(area.half_extents.z) + 2.0 * height,
+            cell: cell(height),
+        }),
+    }
+}
+
+/// Grid cell: the power of ten, or twice or five times it, nearest below half a body height.
+fn cell(height: f64) -> f64 {
+    let half = 0.5 * height;
+    let decade = 10f64.powf(half.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|m| m * decade).find(|&c| c <= half).unwrap_or(decade)
+}
+
+/// Trails of the end effectors of the new actor through the whole clip.
+fn traces(solved: &Solved) -> Vec<Vec<DVec3>> {
+    let skeleton = &solved.clip.skeleton;
+    let ends = skeleton.n_joints()..skeleton.n_points();
+    let n_frames = solved.edited.n_frames();
+    let stride = n_frames.div_ceil(4 * CURVE_POINTS).max(1);
+    let mut trails = vec![Vec::new(); ends.len()];
+    let mut points = Vec::new();
+    for frame_idx in (0..n_frames).step_by(stride) {
+        solved.edited.world_points(frame_idx, &mut points);
+        for (trail, end) in trails.iter_mut().zip(ends.clone()) {
+            trail.push(points[end]);
+        }
+    }
+    trails
+}
+
+/// Builds the picture of this moment.
+pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) -> Scene {
+    let solved = document.solved();
+    let show = document.edits().view.show;
+    let height = solved.clip.facts.height.value;
+    let frame_idx = view.frame_idx;
+    let (mut original, mut edited) = (Vec::new(), Vec::new());
+    if show.original_skeleton {
+        solved.clip.world_points(solved.source_frame(frame_idx), &mut original);
+    }
+    if show.new_skeleton {
+        solved.edited.world_points(frame_idx, &mut edited);
+    }
+    let mut marks = Vec::new();
+    let mut tracker = |role, at| marks.push(Mark { role, at, radius: TRACKER_RADIUS * height });
+    if show.original_tracker {
+        tracker(Role::OriginalTracker, solved.original_frame(frame_idx).translation);
+    }
+    if show.new_tracker {
+        tracker(Role::NewTracker, solved.new_frame(frame_idx).translation);
+    }
+    let mut labels = Vec::new();
+    if show.labels {
+        let names = [(Role::OriginalSkeleton, &original, "original"), (Role::NewSkeleton, &edited, "new")];
+        for (role, points, text) in names {
+            if let Some(top) = points.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y)) {
+                labels.push(Label { role, at: top + DVec3::Y * 0.08 * height, text: text.to_owned() });
+            }
+        }
+    }
+    let preset = camera::preset(document, &view.area, view.camera_idx);
+    let camera = preset.camera(camera::follow_offset(document, view));
+    let kind = match preset.projection {
+        ProjectionKind::Perspective => "perspective",
+        ProjectionKind::Orthographic => "orthographic",
+    };
+    let follows = if preset.follow { ", following" } else { "" };
+    let title = format!("{} {}, {kind}{follows}", view.camera_idx + 1, PRESET_NAMES[view.camera_idx]);
+    Scene {
+        still,
+        now: Now {
+            actors: vec![original, edited],
+            marks,
+            labels,
+            views: vec![View { camera, title }],
+            caption: caption(solved, view),
+        },
+    }
+}
+
+fn caption(solved: &Solved, view: &ViewState) -> String {
+    format!(
+        "{}  frame {} of {}  {:.2} s  {}",
+        solved.source.name,
+        view.frame_idx,
+        solved.edited.n_frames(),
+        view.frame_idx as f64 * solved.clip.frame_time_secs,
+        if view.playing { "playing" } else { "paused" },
+    )
+}

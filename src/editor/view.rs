@@ -1,0 +1,131 @@
+//! View state: the playhead, what is selected, which tab and camera are in use. None of it is history.
+
+use glam::DVec3;
+
+use super::{
+    panel::{Row, RowKind, TABS},
+    picture::{self, PlanArea},
+};
+use crate::document::{Document, Solved};
+
+/// How much a message matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// Something was done.
+    Note,
+    /// Something was done, but not quite as wished.
+    Warning,
+    /// Something could not be done.
+    Error,
+}
+
+/// A line for the user, gone with the next key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// How much it matters.
+    pub severity: Severity,
+    /// The line.
+    pub text: String,
+}
+
+impl Message {
+    /// Makes a note.
+    pub fn note(text: String) -> Self {
+        Self { severity: Severity::Note, text }
+    }
+
+    /// Makes a warning.
+    pub fn warning(text: String) -> Self {
+        Self { severity: Severity::Warning, text }
+    }
+
+    /// Makes an error.
+    pub fn error(text: String) -> Self {
+        Self { severity: Severity::Error, text }
+    }
+}
+
+/// What the user looks at.
+#[derive(Clone, Debug)]
+pub struct ViewState {
+    /// Edited frame shown.
+    pub frame_idx: usize,
+    /// Whether the playhead moves by itself.
+    pub playing: bool,
+    /// Time since the shown frame began, in clip time, seconds.
+    carried_secs: f64,
+    /// Index into [`TABS`].
+    pub tab_idx: usize,
+    /// Selected row of each tab.
+    pub rows: [usize; TABS.len()],
+    /// Selected control point.
+    pub point_idx: usize,
+    /// Camera preset in use, 0 to 3.
+    pub camera_idx: usize,
+    /// The area the plan and the presets frame.
+    pub area: PlanArea,
+    /// First help line shown; none: help is closed.
+    pub help: Option<usize>,
+    /// A line for the user.
+    pub message: Option<Message>,
+}
+
+impl ViewState {
+    pub(super) fn new(solved: &Solved) -> Self {
+        Self {
+            frame_idx: 0,
+            playing: false,
+            carried_secs: 0.0,
+            tab_idx: 0,
+            rows: [0; TABS.len()],
+            point_idx: 0,
+            camera_idx: 0,
+            area: picture::area(solved),
+            help: None,
+            message: None,
+        }
+    }
+
+    /// Keeps everything within the document: indices in range, the framed area around what there is.
+    pub(super) fn follow(&mut self, document: &Document) {
+        let solved = document.solved();
+        self.frame_idx = self.frame_idx.min(solved.edited.n_frames().saturating_sub(1));
+        self.point_idx = self.point_idx.min(solved.control_points().len().saturating_sub(1));
+        self.area = self.area.keep_or(picture::area(solved));
+    }
+
+    /// Keeps the selected row within the tab's rows, and the selected point with a selected point row.
+    pub(super) fn select_row(&mut self, rows: &[Row], row: usize) {
+        let row = row.min(rows.len().saturating_sub(1));
+        self.rows[self.tab_idx] = row;
+        if let Some(Row { kind: RowKind::Point { point_idx }, .. }) = rows.get(row) {
+            self.point_idx = *point_idx;
+        }
+    }
+
+    pub(super) fn advance(&mut self, secs: f64, document: &Document) -> bool {
+        let solved = document.solved();
+        let n_frames = solved.edited.n_frames();
+        if !self.playing || n_frames < 2 {
+            return false;
+        }
+        let frame_time = solved.clip.frame_time_secs;
+        self.carried_secs += secs * document.edits().timing.speed;
+        let steps = (self.carried_secs / frame_time).floor();
+        self.carried_secs -= steps * frame_time;
+        // The remainder of a huge pause is what counts; the cast saturates.
+        self.frame_idx = (self.frame_idx + steps as usize % n_frames) % n_frames;
+        steps >= 1.0
+    }
+
+    /// Shows another frame and stays there.
+    pub(super) fn jump(&mut self, frame_idx: usize) {
+        self.frame_idx = frame_idx;
+        self.carried_secs = 0.0;
+    }
+}
+
+/// The point a following camera follows: the new path under the playhead.
+pub(super) fn followed(solved: &Solved, frame_idx: usize) -> DVec3 {
+    solved.new_frame(frame_idx).translation
+}

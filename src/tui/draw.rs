@@ -1,0 +1,268 @@
+//! The whole screen: which widget stands where, and what of the editor it shows.
+//!
+//! ```text
+//! walkabout · clip · unsaved                       window
+//! plan, or the rendered picture  │ tabs
+//!                                │ rows of the tab, or charts
+//!                                │ help of the selected row
+//! timeline
+//! message, line being typed, or state
+//! keys to start with
+//! ```
+
+use std::borrow::Cow;
+
+use ratatui::{
+    Frame,
+    buffer::Buffer,
+    layout::{Constraint, Layout, Position, Rect},
+    widgets::{Clear, Widget},
+};
+
+use super::{
+    Chart, Direction, Extent, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView, Series,
+    StatusLine, Tabs, Timeline, text,
+};
+use crate::{
+    editor::{Editor, Hint, Severity, TABS, Tab},
+    scene::{Picture, Scene},
+};
+
+/// Widest panel, cells.
+const PANEL_MAX: u16 = 52;
+/// Narrowest panel, cells.
+const PANEL_MIN: u16 = 36;
+/// The keys the foot line shows, in this order, as far as there is room.
+const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  x y z X Y Z move  s shape  1-4 camera  u undo  q quit";
+
+/// What the screen shows beside the editor.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Colours.
+    pub palette: Palette,
+    /// One line about the preview window.
+    pub window_line: &'a str,
+    /// The newest picture for the pane.
+    pub picture: Option<&'a Picture>,
+    /// Whether the pane shows the rendered picture in place of the plan.
+    pub pane_open: bool,
+}
+
+/// The parts of the screen.
+struct Parts {
+    title: Rect,
+    view: Rect,
+    panel: Rect,
+    timeline: Rect,
+    status: Rect,
+    keys: Rect,
+}
+
+impl Parts {
+    fn of(area: Rect) -> Self {
+        let [title, body, timeline, status, keys] = Layout::vertical([
+            Constraint::Length(1),
+            Constraint::Fill(1),
+            Constraint::Length(2),
+            Constraint::Length(1),
+            Constraint::Length(1),
+        ])
+        .areas(area);
+        let panel_width = (area.width * 2 / 5).clamp(PANEL_MIN, PANEL_MAX).min(area.width);
+        let [view, gap_and_panel] = Layout::horizontal([Constraint::Fill(1), Constraint::Length(panel_width)]).areas(body);
+        let panel = Rect {
+            x: gap_and_panel.x + 1.min(gap_and_panel.width),
+            width: gap_and_panel.width.saturating_sub(1),
+            ..gap_and_panel
+        };
+        Self { title, view, panel, timeline, status, keys }
+    }
+}
+
+/// Draws the editor. Returns the size in pixels at which a rendered picture fits its place.
+pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surroundings<'_>) -> (u32, u32) {
+    let parts = Parts::of(frame.area());
+    let buf = frame.buffer_mut();
+    draw_title(buf, parts.title, editor, around);
+    draw_view(buf, parts.view, editor, scene, around);
+    draw_panel(buf, parts.panel, editor, around.palette);
+    draw_timeline(buf, parts.timeline, editor, around.palette);
+    let cursor = draw_status(buf, parts.status, editor, around.palette);
+    text::put(buf, parts.keys, parts.keys.x, parts.keys.y, FIRST_KEYS, around.palette.dim());
+    if let Some(scroll) = editor.view().help {
+        let body = parts.view.union(parts.panel);
+        draw_hints(buf, body, &editor.hints(), scroll, around.palette);
+    } else if !editor.pending().is_empty() {
+        let hints = editor.hints();
+        let height = (hints.len() as u16 + 2).min(parts.view.height);
+        let corner = Rect { y: parts.view.bottom() - height, height, ..parts.view };
+        draw_hints(buf, corner, &hints, 0, around.palette);
+    }
+    if let Some(cursor) = cursor {
+        frame.set_cursor_position(cursor);
+    }
+    PictureView::pixels(parts.view.as_size())
+}
+
+fn draw_title(buf: &mut Buffer, area: Rect, editor: &Editor, around: &Surroundings<'_>) {
+    let document = editor.document();
+    let unsaved = if document.is_modified() { " · unsaved" } else { "" };
+    let left = format!("walkabout · {}{unsaved}", document.solved().source.name);
+    StatusLine { left: &left, right: around.window_line, style: around.palette.title() }.render(area, buf);
+}
+
+fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, around: &Surroundings<'_>) {
+    let palette = around.palette;
+    match (around.pane_open, around.picture) {
+        (true, Some(picture)) => PictureView { picture, palette }.render(area, buf),
+        (true, None) => {
+            text::put(buf, area, area.x, area.y, "the first picture is on its way", palette.dim());
+        }
+        (false, _) => {
+            let clip = &editor.document().solved().clip;
+            let direction = match editor.view().camera_idx {
+                1 => Direction::Front,
+                2 => Direction::Side,
+                _ => Direction::Top,
+            };
+            let framed = editor.view().area;
+            let half = framed.half_extents;
+            let (half_width, half_height) = match direction {
+                Direction::Top => (half.x, half.z),
+                Direction::Front => (half.x, half.y),
+                Direction::Side => (half.z, half.y),
+            };
+            let plan = PlanView {
+                scene,
+                direction,
+                extent: Extent { centre: framed.centre, half_width, half_height },
+                up: clip.facts.up.value,
+                unit: clip.facts.unit.value.unwrap_or(""),
+                palette,
+            };
+            plan.render(area, buf);
+        }
+    }
+}
+
+fn draw_panel(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
+    let [tabs, body] = Layout::vertical([Constraint::Length(1), Constraint::Fill(1)]).areas(area);
+    let titles = TABS.map(Tab::title);
+    Tabs { titles: &titles, selected: editor.view().tab_idx, palette }.render(tabs, buf);
+    if TABS[editor.view().tab_idx] == Tab::Residuals {
+        draw_residuals(buf, body, editor, palette);
+        return;
+    }
+    let rows = editor.rows();
+    let help = rows.iter().find(|row| row.selected).map_or("", |row| row.help.as_str());
+    let rows: Vec<_> = rows
+        .iter()
+        .map(|row| ParameterRow {
+            name: Cow::Borrowed(&row.label),
+            value: Cow::Borrowed(&row.value),
+            unit: Cow::Borrowed(row.unit),
+            changed: row.changed,
+            selected: row.selected,
+        })
+        .collect();
+    ParameterList { rows: &rows, help, palette }.render(body, buf);
+}
+
+fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
+    let [line, charts] = Layout::vertical([Constraint::Length(2), Constraint::Fill(1)]).areas(area);
+    let solved = editor.document().solved();
+    let rms = solved.residual_rms();
+    let number = |v: f64| text::number(v, 1e-3 * solved.clip.facts.height.value);
+    let degree = format!("original degree {}", solved.original.degree());
+    let rms_line = format!("RMS x {}  y {}  z {}", number(rms.x), number(rms.y), number(rms.z));
+    text::put(buf, line, line.x, line.y, &degree, palette.dim());
+    if line.height > 1 {
+        text::put(buf, line, line.x, line.y + 1, &rms_line, palette.value());
+    }
+    let residuals = solved.residual_series();
+    let axes = [0, 1, 2].map(|axis| residuals.iter().map(|r| r[axis]).collect::<Vec<_>>());
+    let names = ["x", "y", "z"];
+    let series: Vec<_> = names.iter().zip(&axes).map(|(name, values)| Series { name, values }).collect();
+    let chart = Chart {
+        series: &series,
+        playhead: solved.source_frame(editor.view().frame_idx),
+        unit: solved.clip.facts.unit.value.unwrap_or(""),
+        palette,
+    };
+    chart.render(charts, buf);
+}
+
+fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
+    let solved = editor.document().solved();
+    let timeline = Timeline {
+        n_frames: solved.edited.n_frames(),
+        playhead: editor.view().frame_idx,
+        frame_time_secs: solved.clip.frame_time_secs,
+        marks: &[],
+        rows: &[],
+        palette,
+    };
+    timeline.render(area, buf);
+}
+
+/// Draws the line being typed, the message or the state; returns where the cursor stands while typing.
+fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) -> Option<Position> {
+    let view = editor.view();
+    if let Some(prompt) = editor.prompt() {
+        let title = prompt.title();
+        let why = view.message.as_ref().map_or("", |m| m.text.as_str());
+        let line = format!("{title} {}", prompt.text);
+        StatusLine { left: &line, right: why, style: palette.key() }.render(area, buf);
+        let before: String = prompt.text.chars().take(prompt.cursor).collect();
+        let column = (text::width(&title) + 1 + text::width(&before)) as u16;
+        return (column < area.width && area.height > 0).then_some(Position::new(area.x + column, area.y));
+    }
+    let right = state_line(editor);
+    match &view.message {
+        Some(message) => {
+            let (sign, style) = match message.severity {
+                Severity::Note => ("", palette.text()),
+                Severity::Warning => ("! ", palette.warning()),
+                Severity::Error => ("✗ ", palette.warning()),
+            };
+            // A message may need the whole line; the state can be read again with the next key.
+            StatusLine { left: &format!("{sign}{}", message.text), right: "", style }.render(area, buf);
+        }
+        None => {
+            let measures = &editor.document().solved().measures;
+            let jerk = measures.jerk_ratio.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}"));
+            StatusLine { left: &format!("jerk ratio {jerk}"), right: &right, style: palette.text() }.render(area, buf);
+        }
+    }
+    None
+}
+
+fn state_line(editor: &Editor) -> String {
+    let view = editor.view();
+    let solved = editor.document().solved();
+    let pending: String = editor.pending().iter().map(ToString::to_string).collect();
+    let rest = solved.clip.rest_frames();
+    format!(
+        "{pending}  point {}  camera {}  frame {}/{}  {}",
+        view.point_idx + 1,
+        view.camera_idx + 1,
+        view.frame_idx + rest,
+        solved.edited.n_frames() + rest,
+        if view.playing { "▶ playing" } else { "‖ paused" },
+    )
+}
+
+fn draw_hints(buf: &mut Buffer, area: Rect, hints: &[Hint], scroll: usize, palette: Palette) {
+    let mut groups: Vec<KeyGroup<'_>> = Vec::new();
+    for hint in hints {
+        let title = hint.group.title();
+        if groups.last().is_none_or(|g| g.title != title) {
+            groups.push(KeyGroup { title, keys: Vec::new() });
+        }
+        let group = groups.last_mut().expect("just pushed");
+        group.keys.push((hint.keys.join(" "), hint.doc));
+    }
+    Clear.render(area, buf);
+    let scroll = u16::try_from(scroll).unwrap_or(u16::MAX);
+    KeyHelp { groups: &groups, scroll, palette }.render(area, buf);
+}

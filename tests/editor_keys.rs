@@ -1,0 +1,254 @@
+//! Key triples: a clip, keys, the state that follows.
+
+use walkabout::{
+    document::{self, Document},
+    editor::{Editor, Effect, TABS},
+};
+
+fn editor() -> Editor {
+    let opened = document::open(None).expect("the built-in clip opens");
+    Editor::new(Document::new(opened), Vec::new())
+}
+
+/// The state as one line: tab, selected row, point, frame, camera, undo depth.
+fn state(editor: &Editor) -> String {
+    let view = editor.view();
+    let row = editor.rows().into_iter().find(|r| r.selected);
+    let (behind, ahead) = editor.document().depth();
+    format!(
+        "{} | {} | point {} | frame {} | camera {} | undo {behind} redo {ahead}",
+        TABS[view.tab_idx].title(),
+        row.map_or_else(String::new, |r| format!("{} {}", r.label, r.value)),
+        view.point_idx + 1,
+        view.frame_idx,
+        view.camera_idx + 1,
+    )
+}
+
+#[track_caller]
+fn check(keys: &str, expected: &str) {
+    let mut editor = editor();
+    editor.keys(keys);
+    assert_eq!(state(&editor), expected, "after {keys}");
+}
+
+#[test]
+fn rows_are_chosen_and_stepped() {
+    check("", "path | path.edited on | point 1 | frame 0 | camera 1 | undo 0 redo 0");
+    check("j", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
+    check("j+", "path | path.degree 4 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    check("jj+", "path | path.points 9 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    check("jj+<tab>u", "original | original.degree auto | point 1 | frame 0 | camera 1 | undo 0 redo 1");
+    check("jj]", "path | path.points 18 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    check("j<backspace>", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
+    check("+", "path | path.edited off | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    check("kk", "path | path.edited on | point 1 | frame 0 | camera 1 | undo 0 redo 0");
+}
+
+#[test]
+fn held_keys_are_one_step_and_another_key_ends_it() {
+    check("jj+++u", "path | path.points 8 | point 1 | frame 0 | camera 1 | undo 0 redo 1");
+    check("jj++-+u", "path | path.points 9 | point 1 | frame 0 | camera 1 | undo 2 redo 1");
+    check("jj++kj+uu", "path | path.points 8 | point 1 | frame 0 | camera 1 | undo 0 redo 2");
+    let mut slow = editor();
+    slow.keys("jj+");
+    slow.advance(5.0);
+    slow.keys("+");
+    assert_eq!(slow.document().depth(), (2, 0), "presses far apart are steps of their own");
+}
+
+#[test]
+fn undo_and_redo_reach_everything() {
+    check("jj+<tab>j+uuUU", "original | residual.frame tangent | point 1 | frame 0 | camera 1 | undo 2 redo 0");
+    check("uU", "path | path.edited on | point 1 | frame 0 | camera 1 | undo 0 redo 0");
+}
+
+#[test]
+fn values_are_typed() {
+    check("j<enter>7<enter>", "path | path.degree 7 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    check("j<enter>7<esc>", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
+    check(":original.degree=13<enter><tab>", "original | original.degree 13 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    let mut wrong = editor();
+    wrong.keys("j<enter>99<enter>");
+    assert!(wrong.prompt().is_some(), "a wrong value can be corrected");
+    assert!(wrong.view().message.as_ref().is_some_and(|m| m.text.contains("1 to 9")));
+    wrong.keys("<backspace><enter>");
+    assert_eq!(wrong.document().edits().path.degree, 9);
+}
+
+#[test]
+fn points_are_chosen_moved_typed_inserted_and_deleted() {
+    let mut e = editor();
+    let before = e.document().solved().control_points();
+    let step = 0.1 * e.document().solved().clip.facts.height.value;
+    e.keys("nn");
+    assert_eq!(e.view().point_idx, 2);
+    e.keys("xxY");
+    let after = e.document().solved().control_points();
+    let moved = after[2] - before[2];
+    assert!((moved - glam::DVec3::new(2.0 * step, -step, 0.0)).length() < 1e-9 * step, "{moved}");
+    assert_eq!(e.document().depth(), (2, 0));
+    e.keys("c1 2 -3.5<enter>");
+    assert_eq!(e.document().solved().control_points()[2], glam::DVec3::new(1.0, 2.0, -3.5));
+    e.keys("i");
+    assert_eq!((e.document().solved().control_points().len(), e.view().point_idx), (9, 3));
+    e.keys("dd");
+    assert_eq!(e.document().solved().control_points().len(), 7);
+    e.keys("dddddd");
+    assert_eq!(e.document().solved().control_points().len(), 4);
+    assert!(e.view().message.as_ref().is_some_and(|m| m.text.contains("at least 4")));
+    e.keys("r");
+    assert_eq!(e.document().edits().path.control_points, None);
+}
+
+#[test]
+fn selecting_a_point_row_selects_the_point() {
+    check("jjjjjj", "path | ◆ point 3 0.00 0.00 0.00 | point 3 | frame 0 | camera 1 | undo 0 redo 0".replace("0.00 0.00 0.00", &point_text(2)).as_str());
+    check("n", &format!("path | ◆ point 2 {} | point 2 | frame 0 | camera 1 | undo 0 redo 0", point_text(1)));
+}
+
+fn point_text(point_idx: usize) -> String {
+    let e = editor();
+    let label = format!("point {}", point_idx + 1);
+    e.rows().into_iter().find(|r| r.label.ends_with(&label)).expect("a row for each point").value
+}
+
+#[test]
+fn ready_shapes_take_two_keys() {
+    for keys in ["sl", "sh", "so", "sc", "sz", "se", "su", "ss"] {
+        let mut e = editor();
+        e.keys(keys);
+        assert!(e.document().edits().path.control_points.is_some(), "{keys}");
+        assert_eq!(e.document().depth(), (1, 0), "{keys}");
+        let original = e.document().solved().original.length();
+        let length = e.document().solved().new_path.length();
+        // The chord joins the ends, `original` is a fit; the others are exactly as long as the original path.
+        if !["sh", "so"].contains(&keys) {
+            assert!((length / original - 1.0).abs() < 1e-9, "{keys}: {length} against {original}");
+        }
+    }
+}
+
+#[test]
+fn unfinished_sequences_wait_and_nonsense_is_told() {
+    let mut e = editor();
+    e.keys("s");
+    assert_eq!(e.pending().len(), 1);
+    assert!(e.hints().iter().any(|h| h.keys == ["c"] && h.doc.contains("circle")));
+    e.keys("<esc>");
+    assert_eq!(e.pending().len(), 0);
+    e.keys("s!");
+    assert!(e.view().message.as_ref().is_some_and(|m| m.text.starts_with("s! does nothing")));
+}
+
+#[test]
+fn the_playhead_steps_jumps_and_plays() {
+    let n = editor().document().solved().edited.n_frames();
+    let frame = |keys: &str| {
+        let mut e = editor();
+        e.keys(keys);
+        e.view().frame_idx
+    };
+    assert_eq!(frame("..,"), 1);
+    assert_eq!(frame(","), n - 1, "stepping back from the start goes to the end");
+    assert_eq!(frame("$"), n - 1);
+    assert_eq!(frame("$0"), 0);
+    let mut e = editor();
+    let dt = e.document().solved().clip.frame_time_secs;
+    e.keys("<space>");
+    assert!(e.view().playing);
+    e.advance(10.25 * dt);
+    assert_eq!(e.view().frame_idx, 10);
+    e.keys("<lt><lt>");
+    e.advance(4.0 * dt);
+    assert_eq!(e.view().frame_idx, 12, "half speed");
+    e.advance(1e12);
+    assert!(e.view().frame_idx < n);
+}
+
+#[test]
+fn cameras_are_chosen_moved_and_reset() {
+    let mut e = editor();
+    e.keys("3");
+    assert_eq!(e.view().camera_idx, 2);
+    let eye = |e: &Editor| e.scene().now.views[0].camera.eye;
+    let start = eye(&e);
+    e.keys("LLL");
+    assert!(eye(&e).distance(start) > 0.0);
+    assert_eq!(e.document().depth(), (0, 0), "cameras are not history");
+    e.keys("1");
+    let three_quarter = eye(&e);
+    e.keys("3");
+    assert!(eye(&e).distance(start) > 0.0, "an edited preset is kept");
+    e.keys("ar");
+    assert_eq!(eye(&e), start);
+    e.keys("1");
+    assert_eq!(eye(&e), three_quarter);
+    for keys in ["H", "J", "K", "<a-left>", "<a-up>", ")", "(", "ax", "ay", "az", "o", "f", "t"] {
+        let mut e = editor();
+        e.keys(&keys.repeat(40));
+        let camera = e.scene().now.views[0].camera;
+        let sight = (camera.target - camera.eye).normalize();
+        assert!(sight.is_finite() && camera.up.cross(sight).length() > 1e-3, "{keys}: {camera:?}");
+    }
+}
+
+#[test]
+fn every_drawn_object_can_be_hidden() {
+    let full = editor().scene();
+    for (keys, same) in [("vo", 0), ("vn", 0), ("vO", 0), ("vN", 0), ("vc", 0), ("vT", 0), ("vt", 0), ("vg", 0), ("vl", 0), ("vr", 0)] {
+        let mut e = editor();
+        e.keys(keys);
+        let scene = e.scene();
+        assert_eq!(usize::from(scene.still == full.still && scene.now == full.now), same, "{keys} changes the picture");
+    }
+}
+
+#[test]
+fn quitting_asks_only_when_there_is_something_to_lose() {
+    assert_eq!(editor().keys("q"), Effect::Quit);
+    let mut e = editor();
+    assert_eq!(e.keys("xq"), Effect::None);
+    assert!(e.prompt().is_some());
+    assert_eq!(e.keys("n"), Effect::None);
+    assert!(e.prompt().is_none());
+    assert_eq!(e.keys("qy"), Effect::Quit);
+    assert_eq!(e.keys("uq"), Effect::Quit);
+}
+
+#[test]
+fn projects_and_clips_are_written_and_never_overwritten_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = folder.path().join("walk.toml");
+    let clip = folder.path().join("out.bvh");
+    let type_name = |file: &std::path::Path| file.display().to_string().replace('<', "<lt>");
+    let mut e = editor();
+    e.keys("scS");
+    e.keys(&format!("{}<enter>", type_name(&project)));
+    assert!(!e.document().is_modified());
+    e.keys(&format!("E{}<enter>", type_name(&clip)));
+    let bytes = std::fs::read(&clip).expect("exported");
+    assert_eq!(bytes, e.document().solved().to_bvh());
+
+    let opened = document::open(Some(&project)).expect("the project opens");
+    assert_eq!(opened.edits, **e.document().edits());
+
+    e.keys(&format!("xE{}<enter>", type_name(&clip)));
+    assert!(e.prompt().is_some(), "an existing file is asked about");
+    e.keys("n");
+    assert_eq!(std::fs::read(&clip).expect("still there"), bytes);
+    e.keys(&format!("E{}<enter>y", type_name(&clip)));
+    assert_ne!(std::fs::read(&clip).expect("replaced"), bytes);
+    e.keys("S");
+    assert!(!e.document().is_modified(), "the document's own project is saved without a question");
+}
+
+#[test]
+fn the_still_part_is_new_only_when_it_changes() {
+    let mut e = editor();
+    let first = e.scene().still;
+    e.keys("...1234<tab>");
+    assert!(std::sync::Arc::ptr_eq(&first, &e.scene().still));
+    e.keys("x");
+    assert_ne!(first.revision, e.scene().still.revision);
+}
