@@ -30,12 +30,17 @@ const FRAME_OVER_SSH: Duration = Duration::from_millis(66);
 /// The exit status after the terminal went away, as for SIGHUP.
 const HANGUP_STATUS: u8 = 129;
 
+/// The exit status after a panic, as Rust's own.
+const PANIC_STATUS: u8 = 101;
+
 /// Whatever can wake the program.
 #[derive(Debug)]
 enum Event {
     Input(InputEvent),
     Signal(SignalEvent),
     Preview(Kind, FromPreview),
+    /// A thread panicked; the terminal is already given back.
+    Panicked,
 }
 
 /// The two kinds of preview.
@@ -60,7 +65,11 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
     let (sender, events) = mpsc::channel();
     // Whoever may have to give the terminal back knows it before it is taken.
     let screen = Screen::open()?;
-    tui::leave_on_panic(screen.clone(), || {});
+    let panicked = sender.clone();
+    tui::leave_on_panic(screen.clone(), move || {
+        // Another thread's panic ends the program too; this one's unwinds by itself.
+        let _ = panicked.send(Event::Panicked);
+    });
     let mut send_signal = forward(&sender, Event::Signal);
     signals::watch(screen.clone(), move |signal| {
         send_signal(signal);
@@ -69,7 +78,22 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
     let _input = InputThread::start(screen, forward(&sender, Event::Input))?;
     let mut app = App::new(editor, terminal, sender);
     app.open_window_if_possible();
-    Ok(app.run(&events)?)
+    let status = app.run(&events);
+    let App { editor, terminal, .. } = app;
+    drop(terminal);
+    if !matches!(status, Ok(0)) {
+        rescue(&editor);
+    }
+    Ok(status?)
+}
+
+/// Keeps unsaved edits when it was not the user who chose to leave.
+fn rescue(editor: &Editor) {
+    match editor.document().rescue() {
+        Ok(Some(file)) => eprintln!("walkabout: unsaved edits are in {}", file.display()),
+        Ok(None) => {}
+        Err(error) => eprintln!("walkabout: unsaved edits are lost: {error}"),
+    }
 }
 
 /// Returns a function that sends what it is given as an event; false when nobody listens any more.
@@ -156,6 +180,7 @@ impl App {
             Event::Input(InputEvent::Paste(text)) => self.editor.paste(&text),
             Event::Input(InputEvent::Resize(..)) => self.terminal.forget()?,
             Event::Input(InputEvent::Hangup) => return Ok(Next::Leave(HANGUP_STATUS)),
+            Event::Panicked => return Ok(Next::Leave(PANIC_STATUS)),
             Event::Signal(SignalEvent::Terminate { exit_code }) => return Ok(Next::Leave(exit_code)),
             Event::Signal(SignalEvent::Suspend) => self.suspend(),
             Event::Signal(SignalEvent::Resume) => signals::resume(&mut self.terminal)?,
