@@ -14,6 +14,7 @@ mod source;
 
 use std::{path::Path, path::PathBuf, sync::Arc};
 
+pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
     CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, ProjectionKind, ResidualEdits, Show,

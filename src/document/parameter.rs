@@ -195,9 +195,7 @@ impl Kind {
                 let n = as_number(value).filter(|n| n.fract() == 0.0)?;
                 (min as f64 <= n && n <= max as f64).then_some(Value::Integer(n as i64))
             }
-            Self::Real { min, max, .. } => {
-                as_number(value).filter(|n| (min..=max).contains(n)).map(Value::Float)
-            }
+            Self::Real { min, max, .. } => as_number(value).filter(|n| (min..=max).contains(n)).map(Value::Float),
             Self::Joint => value.as_str().filter(|s| !s.is_empty()).map(word),
             Self::Vector | Self::Points if auto => Some(word("auto")),
             Self::Vector => as_vector(value).map(vector),
@@ -313,11 +311,8 @@ fn edit_distance(a: &str, b: &str) -> usize {
 }
 
 const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain)];
-const FRAMES: &[(&str, ResidualFrame)] = &[
-    ("heading", ResidualFrame::Heading),
-    ("tangent", ResidualFrame::Tangent),
-    ("absolute", ResidualFrame::Absolute),
-];
+const FRAMES: &[(&str, ResidualFrame)] =
+    &[("heading", ResidualFrame::Heading), ("tangent", ResidualFrame::Tangent), ("absolute", ResidualFrame::Absolute)];
 const INTEGRATORS: &[(&str, Integrator)] = &[("gauss", Integrator::Gauss), ("euler", Integrator::Euler)];
 const UPS: &[(&str, Option<UpAxis>)] = &[("auto", None), ("y", Some(UpAxis::Y)), ("z", Some(UpAxis::Z))];
 const OFFSETS: &[(&str, Option<OffsetMeaning>)] =
@@ -632,7 +627,10 @@ mod tests {
         check("clip.carrier=Hips", Ok("Hips"));
         check("clip.carrier=mixamorig:Hips", Ok("mixamorig:Hips"));
         check("camera.2.eye=[1, 2.5, -3]", Ok("[1, 2.5, -3]"));
-        check("path.control_points=[[0,0,0],[1,0,0],[2,0,0],[3,0,1]]", Ok("[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 1]]"));
+        check(
+            "path.control_points=[[0,0,0],[1,0,0],[2,0,0],[3,0,1]]",
+            Ok("[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 1]]"),
+        );
     }
 
     #[test]
@@ -665,9 +663,7 @@ mod tests {
     #[test]
     fn steps_do_what_keys_promise() {
         let edits = Edits::default();
-        let step = |name: &str, n, big| {
-            parameter(name).expect("a row").stepped(&edits, n, big).map(|v| show_value(&v))
-        };
+        let step = |name: &str, n, big| parameter(name).expect("a row").stepped(&edits, n, big).map(|v| show_value(&v));
         assert_eq!(step("path.points", 1, false).as_deref(), Some("9"));
         assert_eq!(step("path.points", -1, true).as_deref(), Some("2"));
         assert_eq!(step("original.degree", 1, false).as_deref(), Some("1"));

@@ -89,7 +89,8 @@ pub struct Opened {
 ///
 /// When a file cannot be read or does not parse, with its place.
 pub fn open(file: Option<&Path>) -> Result<Opened, OpenError> {
-    let plain = |source| Opened { source: Arc::new(source), edits: Edits::default(), project: None, warnings: Vec::new() };
+    let plain =
+        |source| Opened { source: Arc::new(source), edits: Edits::default(), project: None, warnings: Vec::new() };
     let Some(file) = file else { return Ok(plain(source::built_in())) };
     if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case(EXTENSION)) {
         return Ok(plain(source::read(file)?));
@@ -133,7 +134,8 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
         for (key, value) in table {
             let name = format!("{prefix}{}", key.get_ref());
             let at = key.span().start;
-            let text_value = |what| value.get_ref().as_str().map(str::to_owned).ok_or_else(|| fail(at, Problem::NotText(what)));
+            let text_value =
+                |what| value.get_ref().as_str().map(str::to_owned).ok_or_else(|| fail(at, Problem::NotText(what)));
             match (name.as_str(), value.get_ref()) {
                 ("format", _) => {}
                 ("clip.file", _) => project.clip_file = Some(text_value("clip.file")?),
@@ -277,8 +279,7 @@ mod tests {
         let mut project = Project { clip_file: Some("walks/a \"b\".bvh".to_owned()), ..Project::default() };
         project.blake3 = Some("00ff".to_owned());
         project.edits.original.degree = Degree::Fixed(13);
-        project.edits.path.control_points =
-            Some((0..5).map(|i| DVec3::new(f64::from(i) / 3.0, 1e-7, -1e10)).collect());
+        project.edits.path.control_points = Some((0..5).map(|i| DVec3::new(f64::from(i) / 3.0, 1e-7, -1e10)).collect());
         project.edits.path.points = 5;
         project.edits.view.show.ground = false;
         project.edits.view.cameras[2].eye = Some(DVec3::new(1.0, 2.0, 3.0));

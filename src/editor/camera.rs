@@ -90,14 +90,8 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset
         || target + direction * framing_distance(&framed, direction, own_up, fov_y_rad, projection),
         to_world,
     );
-    let mut preset = Preset {
-        eye,
-        target,
-        up: edits.up.map_or(own_up, to_world),
-        fov_y_rad,
-        projection,
-        follow: edits.follow,
-    };
+    let mut preset =
+        Preset { eye, target, up: edits.up.map_or(own_up, to_world), fov_y_rad, projection, follow: edits.follow };
     preset.mend(height);
     preset
 }

@@ -25,16 +25,8 @@ pub enum Tab {
 }
 
 /// The tabs in order.
-pub const TABS: [Tab; 8] = [
-    Tab::Path,
-    Tab::Original,
-    Tab::Timing,
-    Tab::Clip,
-    Tab::Show,
-    Tab::Camera,
-    Tab::Residuals,
-    Tab::Quality,
-];
+pub const TABS: [Tab; 8] =
+    [Tab::Path, Tab::Original, Tab::Timing, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
 
 impl Tab {
     /// Returns the tab's title.

@@ -144,11 +144,8 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
         at: at + DVec3::Y * 2.0 * POINT_RADIUS * height,
         text: (idx + 1).to_string(),
     };
-    let labels = if show.control_points && show.labels {
-        controls.iter().enumerate().map(label).collect()
-    } else {
-        Vec::new()
-    };
+    let labels =
+        if show.control_points && show.labels { controls.iter().enumerate().map(label).collect() } else { Vec::new() };
     Still {
         revision,
         body_height: height,
@@ -240,11 +237,13 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
 }
 
 fn caption(solved: &Solved, view: &ViewState) -> String {
+    // Frame numbers people see count what would be exported.
+    let rest = solved.clip.rest_frames();
     format!(
         "{}  frame {} of {}  {:.2} s  {}",
         solved.source.name,
-        view.frame_idx,
-        solved.edited.n_frames(),
+        view.frame_idx + rest,
+        solved.edited.n_frames() + rest,
         view.frame_idx as f64 * solved.clip.frame_time_secs,
         if view.playing { "playing" } else { "paused" },
     )

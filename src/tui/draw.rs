@@ -69,7 +69,8 @@ impl Parts {
         ])
         .areas(area);
         let panel_width = (area.width * 2 / 5).clamp(PANEL_MIN, PANEL_MAX).min(area.width);
-        let [view, gap_and_panel] = Layout::horizontal([Constraint::Fill(1), Constraint::Length(panel_width)]).areas(body);
+        let [view, gap_and_panel] =
+            Layout::horizontal([Constraint::Fill(1), Constraint::Length(panel_width)]).areas(body);
         let panel = Rect {
             x: gap_and_panel.x + 1.min(gap_and_panel.width),
             width: gap_and_panel.width.saturating_sub(1),
@@ -194,9 +195,10 @@ fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palett
 
 fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
     let solved = editor.document().solved();
+    let rest = solved.clip.rest_frames();
     let timeline = Timeline {
-        n_frames: solved.edited.n_frames(),
-        playhead: editor.view().frame_idx,
+        n_frames: solved.edited.n_frames() + rest,
+        playhead: editor.view().frame_idx + rest,
         frame_time_secs: solved.clip.frame_time_secs,
         marks: &[],
         rows: &[],
