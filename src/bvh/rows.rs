@@ -153,8 +153,7 @@ impl<'a> Lines<'a> {
         let mut cursor = self.start;
         std::iter::from_fn(move || {
             let mut words = Vec::new();
-            cursor.skip_space();
-            while cursor.at < self.end && (words.is_empty() || !cursor.skip_space()) && cursor.at < self.end {
+            while (!cursor.skip_space() || words.is_empty()) && cursor.at < self.end {
                 words.push(cursor.at);
                 cursor.skip_number();
             }

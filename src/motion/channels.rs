@@ -10,7 +10,7 @@ use wide::f64x4;
 
 use super::{
     OffsetMeaning,
-    lanes::{LANES, QuatLanes, half_sin_cos_of_degrees},
+    lanes::{FARTHEST_DEGREES, LANES, QuatLanes, half_sin_cos_of_degrees},
     poses::Poses,
 };
 use crate::{
@@ -79,9 +79,10 @@ pub(super) struct FileMotion<'a> {
 impl<'a> FileMotion<'a> {
     /// Reads the file's numbers; those that are none are replaced, with a warning.
     pub(super) fn new(bvh: &'a Bvh, warnings: &mut Vec<String>) -> Self {
-        let channels = bvh.joints().iter().map(|j| JointChannels::new(&j.channels, j.first_channel)).collect();
+        let channels: Vec<JointChannels> =
+            bvh.joints().iter().map(|j| JointChannels::new(&j.channels, j.first_channel)).collect();
         let skeleton = skeleton(bvh, warnings);
-        let values = finite(bvh.values(), bvh.n_channels(), warnings);
+        let values = finite(bvh.values(), bvh.n_channels(), &channels, warnings);
         Self { skeleton, channels, n_frames: bvh.n_frames(), n_channels: bvh.n_channels(), values }
     }
 
@@ -130,10 +131,12 @@ impl<'a> FileMotion<'a> {
         for frame in 0..self.n_frames {
             translations.extend(moving.iter().zip(&base).map(|(&joint, &base)| base + self.position(frame, joint)));
         }
+        let mut rotations = Vec::new();
+        self.rotations(&mut rotations);
         Poses {
             n_joints,
             n_frames: self.n_frames,
-            rotations: self.rotations(),
+            rotations,
             columns,
             fixed: offsets,
             n_columns: moving.len(),
@@ -141,25 +144,34 @@ impl<'a> FileMotion<'a> {
         }
     }
 
-    /// Computes the local rotations, frames × joints.
-    fn rotations(&self) -> Vec<DQuat> {
+    /// Fills `out` with the local rotations, frames × joints.
+    fn rotations(&self, out: &mut Vec<DQuat>) {
         let n_joints = self.skeleton.n_joints();
-        let mut rotations = vec![DQuat::IDENTITY; self.n_frames * n_joints];
+        out.clear();
+        out.reserve(self.n_frames * n_joints);
         for group in (0..self.n_frames).step_by(LANES) {
             let rows: [&[f64]; LANES] = std::array::from_fn(|lane| {
                 let frame = (group + lane).min(self.n_frames - 1);
                 &self.values[frame * self.n_channels..][..self.n_channels]
             });
             let n_lanes = LANES.min(self.n_frames - group);
+            out.resize(out.len() + n_lanes * n_joints, DQuat::IDENTITY);
+            let written = &mut out[group * n_joints..];
             for (joint, channels) in self.channels.iter().enumerate() {
                 let lanes = local_rotation(&channels.rotations, rows).lanes();
-                for (lane, &rotation) in lanes[..n_lanes].iter().enumerate() {
-                    rotations[(group + lane) * n_joints + joint] = rotation;
+                for (row, &rotation) in written.chunks_exact_mut(n_joints).zip(&lanes) {
+                    row[joint] = rotation;
                 }
             }
         }
-        rotations
     }
+}
+
+/// Fills `out` with the local rotations a file's channels stand for, frames × joints, in the file's own axes.
+///
+/// This is the costly half of reading a clip; [`super::Clip::from_bvh`] does it and all the rest.
+pub fn local_rotations(bvh: &Bvh, out: &mut Vec<DQuat>) {
+    FileMotion::new(bvh, &mut Vec::new()).rotations(out);
 }
 
 /// Multiplies a joint's rotation channels in file order, four frames at once.
@@ -168,8 +180,11 @@ fn local_rotation(channels: &[(usize, usize)], rows: [&[f64]; LANES]) -> QuatLan
     let half = |column: usize| half_sin_cos_of_degrees(f64x4::new(rows.map(|row| row[column])));
     match channels {
         [] => QuatLanes::splat(DQuat::IDENTITY),
-        [(axis, column), rest @ ..] => (rest.iter())
-            .fold(QuatLanes::about(*axis, half(*column)), |q, &(axis, column)| q.turned(axis, half(column))),
+        [(axis, column)] => QuatLanes::about(*axis, half(*column)),
+        [(a, column_a), (b, column_b), rest @ ..] => {
+            let first = QuatLanes::about_two(*a, half(*column_a), *b, half(*column_b));
+            rest.iter().fold(first, |q, &(axis, column)| q.turned(axis, half(column)))
+        }
     }
 }
 
@@ -195,18 +210,36 @@ fn skeleton(bvh: &Bvh, warnings: &mut Vec<String>) -> Skeleton {
     Skeleton::new(joints)
 }
 
-/// Replaces what is not a number by the frame before, 0 in the first frame.
-fn finite<'a>(values: &'a [f64], n_channels: usize, warnings: &mut Vec<String>) -> Cow<'a, [f64]> {
-    let is_number = |v: f64| v.abs() <= LARGEST;
-    let n_bad = values.iter().filter(|&&v| !is_number(v)).count();
-    if n_bad == 0 {
+/// Replaces what is not a number by the frame before, 0 in the first frame, and takes whole turns off far angles.
+fn finite<'a>(
+    values: &'a [f64],
+    n_channels: usize,
+    channels: &[JointChannels],
+    warnings: &mut Vec<String>,
+) -> Cow<'a, [f64]> {
+    // Counted rather than searched for, which takes several values at a time.
+    let n_near = values.iter().filter(|v| v.abs() <= FARTHEST_DEGREES).count();
+    if n_near == values.len() {
         return Cow::Borrowed(values);
     }
-    warnings.push(format!("{n_bad} channel values are no numbers; the frame before stands in for them"));
     let mut values = values.to_vec();
+    let mut n_bad = 0;
     for at in 0..values.len() {
-        if !is_number(values[at]) {
+        let is_number = values[at].abs() <= LARGEST;
+        if !is_number {
             values[at] = if at < n_channels { 0.0 } else { values[at - n_channels] };
+            n_bad += 1;
+        }
+    }
+    if n_bad > 0 {
+        warnings.push(format!("{n_bad} channel values are no numbers; the frame before stands in for them"));
+    }
+    let turning: Vec<usize> = channels.iter().flat_map(|c| &c.rotations).map(|&(_, column)| column).collect();
+    for row in values.chunks_exact_mut(n_channels) {
+        for &column in &turning {
+            if row[column].abs() > FARTHEST_DEGREES {
+                row[column] %= 360.0;
+            }
         }
     }
     Cow::Owned(values)

@@ -2,6 +2,8 @@
 //!
 //! Frames count from the first frame after the rest frames unless a name says `file`.
 
+use std::ops::Range;
+
 use glam::{DQuat, DVec3};
 
 use super::{
@@ -84,6 +86,17 @@ impl Clip {
     pub fn carrier_track(&self) -> Vec<Rigid> {
         let file_frames = self.rest_frames()..self.n_file_frames();
         Walk::chain(&self.skeleton, self.facts.carrier.value).last_rigids(&self.poses, file_frames)
+    }
+
+    /// Calls `visit` with the world positions of all points, one stretch of frames after the other, in order.
+    ///
+    /// A whole clip in the memory of one stretch: the way to reduce positions to something smaller. Each call gets the
+    /// stretch's frames; frame `i` of its tracks is the `i`-th of them.
+    pub fn visit_world(&self, mut visit: impl FnMut(Range<usize>, &PointTracks)) {
+        let rest = self.rest_frames();
+        Walk::whole(&self.skeleton).visit(&self.poses, rest..self.n_file_frames(), |frames, tracks| {
+            visit(frames.start - rest..frames.end - rest, tracks);
+        });
     }
 
     /// Returns the world positions of all points at every frame.

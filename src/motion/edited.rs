@@ -10,7 +10,8 @@ use crate::math::Rigid;
 /// A clip along another path: which frame of the clip each frame shows, and where its carrier is.
 ///
 /// Everything not named here is the clip's own: joints outside the carrier's subtree stay where they are. Frames are
-/// those that would be exported, rest frames not included.
+/// those that would be exported, rest frames not included. It does not hold local rotations of its own yet: what bends
+/// other joints (IK, displacement maps) belongs here as a field beside `carrier_world`.
 #[derive(Clone, Debug)]
 pub struct EditedClip {
     /// The clip as loaded.

@@ -9,6 +9,7 @@ mod edited;
 mod euler;
 mod facts;
 mod from_bvh;
+pub mod gait;
 mod kinematics;
 mod lanes;
 mod options;
@@ -16,6 +17,7 @@ mod poses;
 mod to_bvh;
 mod tracks;
 
+pub use channels::local_rotations;
 pub use clip::{CarrierRelative, Clip, carrier_relative};
 pub use edited::EditedClip;
 pub use facts::{Decided, Facts};

@@ -88,10 +88,30 @@ struct Reading {
 
 impl Reading {
     fn new(motion: &FileMotion, options: &ClipOptions, carrier: Decided<JointId>) -> Self {
-        let joint_offsets = match options.joint_offsets {
-            Some(meaning) => Decided::as_asked(meaning),
-            None => offsets::of_joints(motion, carrier.value),
+        let by_bones = match options.joint_offsets {
+            Some(meaning) => Some(Decided::as_asked(meaning)),
+            None => offsets::by_bones(motion, carrier.value),
         };
+        let undecided = Decided::new(OffsetMeaning::Replace, offsets::UNDECIDED);
+        let read = |joint_offsets| Self::with_offsets(motion, options, carrier.clone(), joint_offsets);
+        // A carrier below the root that is alone with its position channels leaves no bone to judge by.
+        let is_alone = by_bones.is_none() && motion.skeleton.joint(carrier.value).parent.is_some();
+        let replacing = read(by_bones.unwrap_or(undecided));
+        if !is_alone {
+            return replacing;
+        }
+        let adding = read(Decided::new(OffsetMeaning::Add, offsets::UNDECIDED));
+        let decided = offsets::by_floor(replacing.floor, adding.floor, replacing.height.value);
+        let reading = if decided.value == OffsetMeaning::Add { adding } else { replacing };
+        Self { joint_offsets: decided, ..reading }
+    }
+
+    fn with_offsets(
+        motion: &FileMotion,
+        options: &ClipOptions,
+        carrier: Decided<JointId>,
+        joint_offsets: Decided<OffsetMeaning>,
+    ) -> Self {
         let poses = motion.poses(OffsetMeaning::Replace, joint_offsets.value);
         let up = match options.up {
             Some(up) => Decided::as_asked(up),
@@ -114,7 +134,10 @@ impl Reading {
         }
         let root_offset = match options.root_offset {
             Some(meaning) => Decided::as_asked(meaning),
-            None => offsets::of_root(motion, self.up.value, self.floor, self.height.value),
+            None => {
+                let adding = self.floor + offsets::floor_shift(motion, self.up.value);
+                offsets::by_floor(self.floor, adding, self.height.value)
+            }
         };
         let mut floor = self.floor;
         if root_offset.value == OffsetMeaning::Add && motion.n_frames > 0 {

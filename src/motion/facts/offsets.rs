@@ -11,8 +11,12 @@ use crate::{
 /// Differences below this share of what is compared tell nothing apart.
 const TELLING: f64 = 1e-3;
 
-/// Decides for the joints below the roots, the carrier excluded: the reading that keeps bones as long as their OFFSETs.
-pub(super) fn of_joints(motion: &FileMotion, carrier: JointId) -> Decided<OffsetMeaning> {
+/// What is said when both readings are as good.
+pub(super) const UNDECIDED: &str = "nothing tells replacing from adding";
+
+/// Decides for the joints below the roots, the carrier excluded: the reading that keeps bones as long as their
+/// OFFSETs; none when bones do not tell.
+pub(super) fn by_bones(motion: &FileMotion, carrier: JointId) -> Option<Decided<OffsetMeaning>> {
     let (mut replacing, mut adding, mut bones) = (0.0, 0.0, 0.0);
     for (idx, joint) in motion.skeleton.joints().iter().enumerate() {
         let channels = &motion.channels[idx];
@@ -29,23 +33,22 @@ pub(super) fn of_joints(motion: &FileMotion, carrier: JointId) -> Decided<Offset
         }
     }
     if (replacing - adding).abs() <= TELLING * (replacing + adding).max(bones) {
-        return Decided::new(OffsetMeaning::Replace, "nothing tells replacing from adding");
+        return None;
     }
     let percent = |error: f64| 100.0 * error / bones.max(f64::MIN_POSITIVE);
     let errors = format!("(off by {:.1} % replacing, {:.1} % adding)", percent(replacing), percent(adding));
-    if replacing < adding {
+    Some(if replacing < adding {
         Decided::new(OffsetMeaning::Replace, format!("replacing OFFSET keeps the bones' lengths {errors}"))
     } else {
         Decided::new(OffsetMeaning::Add, format!("adding to OFFSET keeps the bones' lengths {errors}"))
-    }
+    })
 }
 
-/// Decides for the roots: the reading whose floor lies nearer 0. `floor` is that of replacing.
-pub(super) fn of_root(motion: &FileMotion, up: UpAxis, floor: f64, height: f64) -> Decided<OffsetMeaning> {
-    let shift = floor_shift(motion, up);
-    let (replacing, adding) = (floor / height, (floor + shift) / height);
+/// Decides by the floor: the reading under which it lies nearer 0.
+pub(super) fn by_floor(replacing: f64, adding: f64, height: f64) -> Decided<OffsetMeaning> {
+    let (replacing, adding) = (replacing / height, adding / height);
     if (replacing.abs() - adding.abs()).abs() <= TELLING {
-        return Decided::new(OffsetMeaning::Replace, "nothing tells replacing from adding");
+        return Decided::new(OffsetMeaning::Replace, UNDECIDED);
     }
     let floors = format!("(at {replacing:.2} H replacing, {adding:.2} H adding)");
     if replacing.abs() < adding.abs() {
