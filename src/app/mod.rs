@@ -8,7 +8,7 @@ pub mod preview_main;
 pub mod signals;
 
 use std::{
-    io,
+    io::{self, Write as _},
     process::ExitCode,
     sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
     time::{Duration, Instant},
@@ -89,11 +89,13 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
 
 /// Keeps unsaved edits when it was not the user who chose to leave.
 fn rescue(editor: &Editor) {
-    match editor.document().rescue() {
-        Ok(Some(file)) => eprintln!("walkabout: unsaved edits are in {}", file.display()),
-        Ok(None) => {}
-        Err(error) => eprintln!("walkabout: unsaved edits are lost: {error}"),
-    }
+    let told = match editor.document().rescue() {
+        Ok(Some(file)) => format!("unsaved edits are in {}", file.display()),
+        Ok(None) => return,
+        Err(error) => format!("unsaved edits are lost: {error}"),
+    };
+    // A terminal that is gone cannot be told, and that is no reason to panic.
+    let _ = writeln!(io::stderr(), "walkabout: {told}");
 }
 
 /// Returns a function that sends what it is given as an event; false when nobody listens any more.
@@ -186,7 +188,6 @@ impl App {
             Event::Input(InputEvent::Paste(text)) => self.editor.paste(&text),
             Event::Input(InputEvent::Resize(..)) => self.terminal.forget()?,
             Event::Input(InputEvent::Hangup) => return Ok(Next::Leave(HANGUP_STATUS)),
-            Event::Panicked => return Ok(Next::Leave(PANIC_STATUS)),
             Event::Signal(SignalEvent::Terminate { exit_code }) => return Ok(Next::Leave(exit_code)),
             Event::Signal(SignalEvent::Suspend) => self.suspend(),
             Event::Signal(SignalEvent::Resume) => signals::resume(&mut self.terminal)?,
