@@ -5,6 +5,7 @@
 
 mod change;
 mod edits;
+mod files;
 mod history;
 mod parameter;
 mod project;
@@ -20,12 +21,13 @@ pub use edits::{
     CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, ProjectionKind, ResidualEdits, Show,
     TimingEdits, ViewEdits,
 };
+pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use history::History;
 pub use parameter::{Kind, MAX_POINTS, PARAMETERS, Parameter, SetError, Step, parameter, parse_assignment, show_value};
-pub use project::{EXTENSION, FORMAT, Opened, Problem, Project, ProjectError, open, write_file};
+pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
-pub use source::{BUILT_IN, OpenError, built_in};
+pub use source::{BUILT_IN, built_in};
 
 /// A source being edited: its history and its newest result.
 #[derive(Clone, Debug)]
@@ -103,7 +105,7 @@ impl Document {
     ///
     /// When the file cannot be written.
     pub fn save(&mut self, file: &Path) -> Result<(), OpenError> {
-        project::save(&self.as_project(file), file)?;
+        files::save(&self.as_project(file), file)?;
         self.saved = Arc::clone(self.edits());
         self.project = Some(file.to_owned());
         Ok(())
@@ -121,7 +123,7 @@ impl Document {
         let own = self.project.as_deref().or(self.solved.source.file.as_deref()).unwrap_or(Path::new("walk.bvh"));
         let names = (1..).map(|n| own.with_extension(format!("rescued-{n}.{EXTENSION}")));
         let file = names.into_iter().find(|name| !name.exists()).expect("numbers do not end");
-        project::save(&self.as_project(&file), &file)?;
+        files::save(&self.as_project(&file), &file)?;
         Ok(Some(file))
     }
 

@@ -2,13 +2,9 @@
 
 use glam::{DQuat, DVec3};
 
-use super::{
-    Editor,
-    picture::PlanArea,
-    view::{ViewState, followed},
-};
+use super::{Editor, area::PlanArea};
 use crate::{
-    document::{CameraEdits, Document, ProjectionKind},
+    document::{CameraEdits, Document, ProjectionKind, Solved},
     scene::{Camera, Projection},
 };
 
@@ -152,9 +148,14 @@ impl Preset {
     }
 }
 
+/// The point a following camera follows: the new path under the playhead.
+fn followed(solved: &Solved, frame_idx: usize) -> DVec3 {
+    solved.new_frame(frame_idx).translation
+}
+
 /// Returns how far the carrier has come since the first frame: what a following camera moves by.
-pub(super) fn follow_offset(document: &Document, view: &ViewState) -> DVec3 {
-    followed(document.solved(), view.frame_idx) - followed(document.solved(), 0)
+pub(super) fn follow_offset(document: &Document, frame_idx: usize) -> DVec3 {
+    followed(document.solved(), frame_idx) - followed(document.solved(), 0)
 }
 
 /// Returns the preset in use.
@@ -193,7 +194,8 @@ pub(super) fn moved(editor: &Editor, by: Move) -> CameraEdits {
             edits.projection = Some(ProjectionKind::Orthographic);
         }
         Move::Target => {
-            let offset = if preset.follow { follow_offset(&editor.document, &editor.view) } else { DVec3::ZERO };
+            let offset =
+                if preset.follow { follow_offset(&editor.document, editor.view.frame_idx) } else { DVec3::ZERO };
             let step = solved.carrier(editor.view.frame_idx).translation - offset - preset.target;
             preset.eye += step;
             preset.target += step;
