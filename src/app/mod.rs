@@ -8,7 +8,7 @@ pub mod preview_main;
 pub mod signals;
 
 use std::{
-    io,
+    io::{self, Write as _},
     process::ExitCode,
     sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
     time::{Duration, Instant},
@@ -78,7 +78,24 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
     let mut app = App::new(editor, terminal, sender);
     app.open_window_if_possible();
     // Drawing fails only when the terminal is gone.
-    Ok(app.run(&events).unwrap_or(HANGUP_STATUS))
+    let status = app.run(&events).unwrap_or(HANGUP_STATUS);
+    let App { editor, terminal, .. } = app;
+    drop(terminal);
+    if status != 0 {
+        rescue(&editor);
+    }
+    Ok(status)
+}
+
+/// Keeps unsaved edits when it was not the user who chose to leave.
+fn rescue(editor: &Editor) {
+    let told = match editor.document().rescue() {
+        Ok(Some(file)) => format!("unsaved edits are in {}", file.display()),
+        Ok(None) => return,
+        Err(error) => format!("unsaved edits are lost: {error}"),
+    };
+    // A terminal that is gone cannot be told, and that is no reason to panic.
+    let _ = writeln!(io::stderr(), "walkabout: {told}");
 }
 
 /// Returns a function that sends what it is given as an event; false when nobody listens any more.

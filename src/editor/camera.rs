@@ -23,12 +23,12 @@ const PAN_STEP: f64 = 0.08;
 const ZOOM_STEP: f64 = 0.88;
 /// The line of sight keeps this angle from the up direction, radians, so that up stays defined.
 const POLE_GAP: f64 = 0.02;
-/// A following preset frames a box with edges of this many body heights around the carrier.
-const FOLLOW_HEIGHTS: f64 = 2.0;
+/// A following preset frames this many body heights around the carrier, each way.
+const FOLLOW_HEIGHTS: f64 = 0.9;
 /// Presets frame for pictures at least this wide for their height.
 const ASPECT: f64 = 1.5;
 /// Room left around what is framed.
-const ROOM: f64 = 1.06;
+const ROOM: f64 = 1.12;
 
 /// A preset in world space, at rest: following not yet applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,18 +76,19 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset
     .normalize();
     let own_projection = if camera_idx == 0 { ProjectionKind::Perspective } else { ProjectionKind::Orthographic };
     let height = solved.clip.facts.height.value;
-    let framed = if edits.follow {
-        PlanArea { centre: followed(solved, 0), half_extents: DVec3::splat(0.5 * FOLLOW_HEIGHTS * height) }
+    let (centre, framed): (DVec3, &[DVec3]) = if edits.follow {
+        let centre = followed(solved, 0);
+        (centre, &[DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y].map(|side| centre + side * FOLLOW_HEIGHTS * height))
     } else {
-        *area
+        (area.centre, &area.points)
     };
     // A view straight down has the clip's far side at the top.
     let own_up = if camera_idx == 3 { DVec3::NEG_Z } else { DVec3::Y };
     let projection = edits.projection.unwrap_or(own_projection);
-    let target = edits.target.map_or(framed.centre, to_world);
+    let target = edits.target.map_or(centre, to_world);
     let fov_y_rad = edits.fov.to_radians();
     let eye = edits.eye.map_or_else(
-        || target + direction * framing_distance(&framed, direction, own_up, fov_y_rad, projection),
+        || target + direction * framing_distance(centre, framed, direction, own_up, fov_y_rad, projection),
         to_world,
     );
     let mut preset =
@@ -96,15 +97,23 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset
     preset
 }
 
-/// Returns how far from the box's centre, along a direction, the whole box is in the picture.
-fn framing_distance(framed: &PlanArea, direction: DVec3, up: DVec3, fov_y_rad: f64, projection: ProjectionKind) -> f64 {
+/// Returns how far from the centre, along a direction, all points are in the picture.
+fn framing_distance(
+    centre: DVec3,
+    points: &[DVec3],
+    direction: DVec3,
+    up: DVec3,
+    fov_y_rad: f64,
+    projection: ProjectionKind,
+) -> f64 {
     let right = up.cross(direction).normalize();
     let screen_up = direction.cross(right);
     let slope = (0.5 * fov_y_rad).tan();
-    let needed = framed.corners().map(|corner| {
-        let across = corner.dot(screen_up).abs().max(corner.dot(right).abs() / ASPECT) / slope;
+    let needed = points.iter().map(|&point| {
+        let p = point - centre;
+        let across = p.dot(screen_up).abs().max(p.dot(right).abs() / ASPECT) / slope;
         match projection {
-            ProjectionKind::Perspective => across + corner.dot(direction),
+            ProjectionKind::Perspective => across + p.dot(direction),
             ProjectionKind::Orthographic => across,
         }
     });

@@ -19,62 +19,63 @@ use crate::{
 
 /// Points a drawn curve is sampled at.
 const CURVE_POINTS: usize = 400;
+/// Frames of each way that are looked at for framing.
+const FRAMED_FRAMES: usize = 64;
 /// Marks and trackers, body heights.
 const POINT_RADIUS: f64 = 0.035;
 const TRACKER_RADIUS: f64 = 0.06;
 
-/// A box around everything that moves: what the plan and the camera presets frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Everything that moves, as a box and as points: what the plan and the camera presets frame.
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlanArea {
     /// Centre of the box, world.
     pub centre: DVec3,
     /// Half its edges, world; positive.
     pub half_extents: DVec3,
+    /// Feet and heads along both carriers' ways, and the control points, world.
+    pub(super) points: Arc<[DVec3]>,
 }
 
 impl PlanArea {
-    /// Returns the box's corners, seen from its centre.
-    pub(super) fn corners(&self) -> impl Iterator<Item = DVec3> + use<> {
-        let half = self.half_extents;
-        let signs = [-1.0, 1.0];
-        signs.into_iter().flat_map(move |x| {
-            signs.into_iter().flat_map(move |y| signs.into_iter().map(move |z| half * DVec3::new(x, y, z)))
-        })
-    }
-
     /// Keeps this box while it still frames the other one well, so that views stay still under small edits.
-    pub(super) fn keep_or(self, needed: Self) -> Self {
+    pub(super) fn keep_or(&self, needed: Self) -> Self {
         let outside = (needed.centre - self.centre).abs() + needed.half_extents - self.half_extents;
         let too_large = self.half_extents.max_element() > 2.0 * needed.half_extents.max_element();
-        if outside.max_element() > 0.0 || too_large { needed } else { self }
+        if outside.max_element() > 0.0 || too_large { needed } else { self.clone() }
     }
 }
 
-/// Returns the box around both carriers' ways, the control points and a body.
+/// Returns what there is to frame of both carriers' ways, the control points and a body walking there.
 pub(super) fn area(solved: &Solved) -> PlanArea {
     let height = solved.clip.facts.height.value;
     let up = solved.clip.facts.up.value;
     let floor = solved.clip.facts.floor;
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    let originals = (0..solved.clip.n_frames()).map(|f| solved.clip.carrier_world(f).translation);
-    let edited = (0..solved.edited.n_frames()).map(|f| solved.carrier(f).translation);
-    let points = solved.control_points().into_iter().map(|p| up.to_world(p));
-    for p in originals.chain(edited).chain(points) {
+    let originals = sampled(solved.clip.n_frames()).map(|f| solved.carrier_track[f].translation);
+    let edited = sampled(solved.edited.n_frames()).map(|f| solved.carrier(f).translation);
+    // The carrier is about half way up the body.
+    let bodies = originals.chain(edited).flat_map(|p| [0.6, -0.6].map(|h| p + DVec3::Y * h * height));
+    let points: Arc<[DVec3]> = bodies.chain(solved.control_points().into_iter().map(|p| up.to_world(p))).collect();
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for &p in points.iter() {
         low = low.min(p);
         high = high.max(p);
     }
-    let margin = DVec3::new(0.5, 0.0, 0.5) * height;
+    let margin = DVec3::new(0.4, 0.0, 0.4) * height;
     low = (low - margin).with_y(low.y.min(floor));
-    high = (high + margin).with_y(high.y.max(floor + 1.05 * height));
-    PlanArea { centre: low.midpoint(high), half_extents: 0.5 * (high - low) }
+    high += margin;
+    PlanArea { centre: low.midpoint(high), half_extents: 0.5 * (high - low), points }
+}
+
+/// Returns some frames from the first to the last.
+fn sampled(n_frames: usize) -> impl Iterator<Item = usize> {
+    (0..n_frames).step_by(n_frames.div_ceil(FRAMED_FRAMES).max(1)).chain([n_frames - 1])
 }
 
 /// The still part in use and what it was made from.
 #[derive(Clone, Debug)]
 pub(super) struct Stills {
     still: Arc<Still>,
-    made_from: Option<(Arc<Solved>, usize, PlanArea)>,
+    made_from: Option<(Arc<Solved>, usize, Arc<[DVec3]>)>,
 }
 
 impl Default for Stills {
@@ -101,12 +102,12 @@ impl Stills {
     pub(super) fn follow(&mut self, document: &Document, view: &ViewState) {
         let solved = document.solved();
         let same = self.made_from.as_ref().is_some_and(|(old, point_idx, area)| {
-            Arc::ptr_eq(old, solved) && *point_idx == view.point_idx && *area == view.area
+            Arc::ptr_eq(old, solved) && *point_idx == view.point_idx && Arc::ptr_eq(area, &view.area.points)
         });
         if !same {
             let revision = self.still.revision + 1;
             self.still = Arc::new(still_scene(solved, document.edits(), view.point_idx, &view.area, revision));
-            self.made_from = Some((Arc::clone(solved), view.point_idx, view.area));
+            self.made_from = Some((Arc::clone(solved), view.point_idx, Arc::clone(&view.area.points)));
         }
     }
 }

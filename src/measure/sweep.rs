@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn the_sweep_is_what_plain_kinematics_says() {
         // Around the length of a stretch, where the pieces are joined.
-        for n in [4, 7, 255, 256, 257, 259, 260, 512, 700] {
+        for n in [4, 7, 255, 256, 257, 259, 260, 509, 512, 700] {
             let clip = clip(n);
             let body = Body::of(&clip, &clip.carrier_track());
             let (jerk, height) = plainly(&clip, &clip.carrier_track(), &(0..n as u32).collect::<Vec<_>>());

@@ -126,7 +126,7 @@ fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, aroun
                 2 => Direction::Side,
                 _ => Direction::Top,
             };
-            let framed = editor.view().area;
+            let framed = &editor.view().area;
             let half = framed.half_extents;
             let (half_width, half_height) = match direction {
                 Direction::Top => (half.x, half.z),
