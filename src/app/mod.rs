@@ -1,6 +1,6 @@
 //! The running editor: its event loop, its threads and its preview processes.
 //!
-//! One enum of events and one `match`: whatever can wake the program is in [`Event`]. This thread alone writes the
+//! One enum of events and one `match`: whatever can wake the program is in `Event`. This thread alone writes the
 //! document, solves and draws the terminal; the input, signal and preview threads only send.
 
 pub mod preview;

@@ -1,6 +1,6 @@
 //! The document: a source, the user's edits with their history, and what follows from them.
 //!
-//! A [`Change`] makes the next [`Edits`], [`solve`] makes [`Solved`] of them; nothing else does. [`PARAMETERS`] is
+//! A [`Change`] makes the next [`Edits`], [`solve()`] makes [`Solved`] of them; nothing else does. [`PARAMETERS`] is
 //! the single source of names for panels, help, `--set` and project files.
 
 mod change;

@@ -120,7 +120,7 @@ impl Parameter {
         self.get(&Edits::default())
     }
 
-    /// Puts a value into these edits. Rules between parameters are the caller's (see [`super::change`]).
+    /// Puts a value into these edits. Rules between parameters are the caller's (see [`super::Change`]).
     ///
     /// # Errors
     ///

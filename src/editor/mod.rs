@@ -1,6 +1,6 @@
 //! The editor: what the user sees and does, without a terminal and without a GPU.
 //!
-//! Keys come in as [`Key`], become [`Command`]s by the table in [`command`], and change the [`Document`] or the
+//! Keys come in as [`Key`], become [`Command`]s by the table [`COMMANDS`], and change the [`Document`] or the
 //! [`ViewState`]; front ends read both and the [`Scene`] built from them. What the editor cannot do itself (quit, open
 //! a window) it returns as an [`Effect`].
 
