@@ -12,6 +12,7 @@ mod project;
 mod solve;
 mod solved;
 mod source;
+mod table;
 
 use std::{path::Path, path::PathBuf, sync::Arc};
 
@@ -23,11 +24,12 @@ pub use edits::{
 };
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use history::History;
-pub use parameter::{Kind, MAX_POINTS, PARAMETERS, Parameter, SetError, Step, parameter, parse_assignment, show_value};
+pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
 pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
+pub use table::{PARAMETERS, parameter};
 
 /// A source being edited: its history and its newest result.
 #[derive(Clone, Debug)]

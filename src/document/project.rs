@@ -13,7 +13,8 @@ use toml::{
 
 use super::{
     Edits,
-    parameter::{PARAMETERS, SetError, parameter, show_value},
+    parameter::{SetError, show_value},
+    table::{PARAMETERS, parameter},
 };
 
 /// The project format this program writes; every smaller one still opens.
