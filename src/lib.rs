@@ -1,7 +1,7 @@
 //! walkabout makes captured motion walk any path.
 //!
 //! A clip as loaded ([`document::Source`]) and one small value the user edits ([`document::Edits`]) go into a pure
-//! function ([`document::solve`]) whose result ([`document::Solved`]) is shown by a terminal front end, a Vulkan
+//! function ([`document::solve()`]) whose result ([`document::Solved`]) is shown by a terminal front end, a Vulkan
 //! preview and a command line, none of which can change anything except by a command.
 //!
 //! # Layers
@@ -23,7 +23,7 @@
 //! # The flow of one change
 //!
 //! `+` on *control points*: crossterm event → [`key::Key`] → keymap → [`editor::Command`] → the next
-//! [`document::Edits`] → [`document::solve`] → `Arc<Solved>` → [`scene::Scene`] → the terminal draws, and the link
+//! [`document::Edits`] → [`document::solve()`] → `Arc<Solved>` → [`scene::Scene`] → the terminal draws, and the link
 //! hands the scene to the preview process. Each arrow points down once; nothing comes back up.
 //!
 //! # Spaces and units

@@ -4,7 +4,10 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use walkabout::{
-    app::{self, preview_main::{self, Mode}},
+    app::{
+        self,
+        preview_main::{self, Mode},
+    },
     cli::{self, Args, Verb},
     editor::Editor,
 };

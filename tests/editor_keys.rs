@@ -67,7 +67,10 @@ fn undo_and_redo_reach_everything() {
 fn values_are_typed() {
     check("j<enter>7<enter>", "path | path.degree 7 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("j<enter>7<esc>", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
-    check(":original.degree=13<enter><tab>", "original | original.degree 13 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
+    check(
+        ":original.degree=13<enter><tab>",
+        "original | original.degree 13 | point 1 | frame 0 | camera 1 | undo 1 redo 0",
+    );
     let mut wrong = editor();
     wrong.keys("j<enter>99<enter>");
     assert!(wrong.prompt().is_some(), "a wrong value can be corrected");
@@ -103,7 +106,12 @@ fn points_are_chosen_moved_typed_inserted_and_deleted() {
 
 #[test]
 fn selecting_a_point_row_selects_the_point() {
-    check("jjjjjj", "path | ◆ point 3 0.00 0.00 0.00 | point 3 | frame 0 | camera 1 | undo 0 redo 0".replace("0.00 0.00 0.00", &point_text(2)).as_str());
+    check(
+        "jjjjjj",
+        "path | ◆ point 3 0.00 0.00 0.00 | point 3 | frame 0 | camera 1 | undo 0 redo 0"
+            .replace("0.00 0.00 0.00", &point_text(2))
+            .as_str(),
+    );
     check("n", &format!("path | ◆ point 2 {} | point 2 | frame 0 | camera 1 | undo 0 redo 0", point_text(1)));
 }
 
@@ -196,7 +204,9 @@ fn cameras_are_chosen_moved_and_reset() {
 #[test]
 fn every_drawn_object_can_be_hidden() {
     let full = editor().scene();
-    for (keys, same) in [("vo", 0), ("vn", 0), ("vO", 0), ("vN", 0), ("vc", 0), ("vT", 0), ("vt", 0), ("vg", 0), ("vl", 0), ("vr", 0)] {
+    for (keys, same) in
+        [("vo", 0), ("vn", 0), ("vO", 0), ("vN", 0), ("vc", 0), ("vT", 0), ("vt", 0), ("vg", 0), ("vl", 0), ("vr", 0)]
+    {
         let mut e = editor();
         e.keys(keys);
         let scene = e.scene();

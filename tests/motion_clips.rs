@@ -128,6 +128,7 @@ fn check_moved(name: &str, bvh: &Bvh, clip: Arc<Clip>) {
         root_offset: Some(facts.root_offset.value),
         joint_offsets: Some(facts.joint_offsets.value),
         rest_frames: Some(facts.rest_frames.value),
+        legs: Vec::new(),
     };
     let again_clip = Clip::from_bvh(&again, &options);
     assert_eq!(again_clip.n_frames(), edited.n_frames(), "{name}");

@@ -45,6 +45,7 @@ fn as_asked() -> ClipOptions {
         root_offset: Some(OffsetMeaning::Replace),
         joint_offsets: Some(OffsetMeaning::Replace),
         rest_frames: Some(0),
+        legs: Vec::new(),
     }
 }
 
@@ -279,6 +280,7 @@ fn check_moved(bvh: &Bvh, clip: &Clip, n_frames: usize) {
             root_offset: Some(facts.root_offset.value),
             joint_offsets: Some(facts.joint_offsets.value),
             rest_frames: Some(clip.rest_frames()),
+            legs: Vec::new(),
         },
     );
     let mut want = Vec::new();

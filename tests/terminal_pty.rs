@@ -3,23 +3,20 @@
 //! This executable starts itself again inside the pseudo-terminal as the *guest*: the terminal layer around a trivial
 //! screen, with keys to make it panic, hang or flood. Whatever ends the guest, the terminal must come back as it was.
 
+mod pty;
+
 use std::{
-    io::{Read, Write},
-    num::NonZeroU16,
     panic::{AssertUnwindSafe, catch_unwind},
     process::{Command, ExitCode, Stdio},
-    sync::{
-        Arc, Mutex,
-        atomic::{AtomicBool, Ordering},
-        mpsc,
-    },
+    sync::{atomic::Ordering, mpsc},
     thread,
     time::{Duration, Instant},
 };
 
-use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system};
+use portable_pty::CommandBuilder;
+use pty::{Host, PATIENCE, assert_ends_within_two_seconds};
 use ratatui::widgets::Paragraph;
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 use walkabout::{
     app::signals::{self, SignalEvent},
     tui::{InputEvent, InputThread, Screen, Terminal, leave_on_panic},
@@ -27,9 +24,6 @@ use walkabout::{
 
 /// Set in the guest's environment: what it leaves out, or `all`.
 const GUEST: &str = "WALKABOUT_TERMINAL_GUEST";
-
-/// How long anything may take before it counts as never.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 fn main() -> ExitCode {
     if let Ok(mode) = std::env::var(GUEST) {
@@ -159,121 +153,10 @@ fn flood(terminal: &mut Terminal) {
 
 // The host: looks at the guest from outside.
 
-/// A pseudo-terminal with a program in it.
-struct Host {
-    master: Box<dyn MasterPty + Send>,
-    writer: Box<dyn Write + Send>,
-    child: Box<dyn Child + Send + Sync>,
-    /// Everything the program wrote, and what a terminal shows of it.
-    seen: Arc<Mutex<(Vec<u8>, vt100::Parser)>>,
-    /// While false, nobody reads.
-    reading: Arc<AtomicBool>,
-    reader: thread::JoinHandle<()>,
-    /// The terminal's settings before the program, as text: their type belongs to a library we do not name.
-    found: String,
-}
+const SIZE: (u16, u16) = (80, 24);
 
-impl Host {
-    fn guest() -> Self {
-        Self::start(&mut guest_command("all"))
-    }
-
-    fn start(command: &mut CommandBuilder) -> Self {
-        let size = PtySize { rows: 24, cols: 80, pixel_width: 0, pixel_height: 0 };
-        let pty = native_pty_system().openpty(size).expect("a pseudo-terminal");
-        let found = settings(pty.master.as_ref());
-        let child = pty.slave.spawn_command(command.clone()).expect("the guest starts");
-        let seen = Arc::new(Mutex::new((Vec::new(), vt100::Parser::new(cells(24), cells(80), 0))));
-        let reading = Arc::new(AtomicBool::new(true));
-        let mut from = pty.master.try_clone_reader().expect("a reader");
-        let reader = thread::spawn({
-            let (seen, reading) = (Arc::clone(&seen), Arc::clone(&reading));
-            move || {
-                let mut bytes = [0; 4096];
-                while let Ok(n @ 1..) = from.read(&mut bytes) {
-                    let mut seen = seen.lock().expect("not poisoned");
-                    seen.0.extend_from_slice(&bytes[..n]);
-                    seen.1.process(&bytes[..n]);
-                    drop(seen);
-                    if !reading.load(Ordering::SeqCst) {
-                        return;
-                    }
-                }
-            }
-        });
-        let writer = pty.master.take_writer().expect("a writer");
-        Self { master: pty.master, writer, child, seen, reading, reader, found }
-    }
-
-    fn send(&mut self, bytes: &[u8]) {
-        self.writer.write_all(bytes).expect("the terminal takes keys");
-        self.writer.flush().expect("the terminal takes keys");
-    }
-
-    fn pid(&self) -> Pid {
-        Pid::from_raw(self.child.process_id().expect("running") as i32).expect("a process id")
-    }
-
-    fn signal(&self, signal: Signal) {
-        kill_process(self.pid(), signal).expect("the guest runs");
-    }
-
-    fn on_screen<T>(&self, look: impl FnOnce(&vt100::Screen) -> T) -> T {
-        look(self.seen.lock().expect("not poisoned").1.screen())
-    }
-
-    fn contents(&self) -> String {
-        self.on_screen(vt100::Screen::contents)
-    }
-
-    fn await_text(&self, text: &str) {
-        let waited = Instant::now();
-        while !self.contents().contains(text) {
-            assert!(waited.elapsed() < PATIENCE, "`{text}` never came; the screen shows:\n{}", self.contents());
-            thread::sleep(Duration::from_millis(5));
-        }
-    }
-
-    /// Waits for the end and returns the exit status and how long it took.
-    fn await_end(&mut self) -> (u32, Duration) {
-        let waited = Instant::now();
-        loop {
-            if let Some(status) = self.child.try_wait().expect("can be asked") {
-                return (status.exit_code(), waited.elapsed());
-            }
-            assert!(waited.elapsed() < PATIENCE, "the guest never ended; the screen shows:\n{}", self.contents());
-            thread::sleep(Duration::from_millis(5));
-        }
-    }
-
-    /// Asserts that the terminal is as it was before the guest.
-    fn assert_given_back(&self) {
-        // What was written last may not have been read yet.
-        let waited = Instant::now();
-        while self.on_screen(vt100::Screen::alternate_screen) && waited.elapsed() < PATIENCE {
-            thread::sleep(Duration::from_millis(5));
-        }
-        assert!(!self.on_screen(vt100::Screen::alternate_screen), "the alternate screen is left");
-        assert!(!self.on_screen(vt100::Screen::hide_cursor), "the cursor is shown");
-        assert!(!self.on_screen(vt100::Screen::bracketed_paste), "bracketed paste is off");
-        assert_eq!(settings(self.master.as_ref()), self.found);
-    }
-
-    fn assert_taken(&self) {
-        assert!(self.on_screen(vt100::Screen::alternate_screen));
-        assert!(self.on_screen(vt100::Screen::hide_cursor));
-        assert!(self.on_screen(vt100::Screen::bracketed_paste));
-        assert_ne!(settings(self.master.as_ref()), self.found);
-    }
-
-    /// Closes the terminal, as a dropped connection does.
-    fn close(mut self) -> Box<dyn Child + Send + Sync> {
-        self.reading.store(false, Ordering::SeqCst);
-        // The answer to this key wakes the reader a last time.
-        self.send(b"x");
-        self.reader.join().expect("the reader ends");
-        self.child
-    }
+fn start() -> Host {
+    Host::start(&guest_command("all"), SIZE)
 }
 
 fn guest_command(mode: &str) -> CommandBuilder {
@@ -282,20 +165,12 @@ fn guest_command(mode: &str) -> CommandBuilder {
     command
 }
 
-fn settings(master: &(dyn MasterPty + Send)) -> String {
-    format!("{:?}", master.get_termios().expect("settings"))
-}
-
-fn cells(n: u16) -> NonZeroU16 {
-    NonZeroU16::new(n).expect("not zero")
-}
-
 fn find(bytes: &[u8], what: &[u8]) -> Option<usize> {
     bytes.windows(what.len()).position(|w| w == what)
 }
 
 fn the_screen_is_taken_and_given_back() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("guest 80x24 ready");
     host.assert_taken();
     host.send(b"q");
@@ -305,7 +180,7 @@ fn the_screen_is_taken_and_given_back() {
 }
 
 fn keys_and_pastes_arrive() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     for (bytes, text) in [
         (&b"j"[..], "j #1"),
@@ -322,7 +197,7 @@ fn keys_and_pastes_arrive() {
 }
 
 fn many_keys_at_once_arrive() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.send(&[b'j'; 3000]);
     host.await_text("j #3000");
@@ -331,11 +206,10 @@ fn many_keys_at_once_arrive() {
 }
 
 fn resizing_redraws() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("80x24");
     for (cols, rows) in [(100, 30), (40, 12), (1, 1), (200, 60)] {
-        host.seen.lock().expect("not poisoned").1.screen_mut().set_size(cells(rows), cells(cols));
-        host.master.resize(PtySize { rows, cols, pixel_width: 0, pixel_height: 0 }).expect("resizes");
+        host.resize((cols, rows));
         if cols > 20 {
             host.await_text(&format!("guest {cols}x{rows} resize {cols}x{rows}"));
         }
@@ -345,11 +219,10 @@ fn resizing_redraws() {
 }
 
 fn a_key_right_after_a_resize_arrives() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     for i in 1..=20 {
-        let size = PtySize { rows: 24, cols: 80 + i, pixel_width: 0, pixel_height: 0 };
-        host.master.resize(size).expect("resizes");
+        host.resize((80 + i, 24));
         host.send(b"j");
         host.await_text(&format!("#{}", 2 * i));
     }
@@ -358,18 +231,18 @@ fn a_key_right_after_a_resize_arrives() {
 }
 
 fn a_panic_restores_before_its_message() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.send(b"p");
     assert_eq!(host.await_end().0, 101);
     host.assert_given_back();
     host.await_text("the guest panics");
-    let seen = host.seen.lock().expect("not poisoned");
-    assert!(find(&seen.0, b"\x1b[?1049l") < find(&seen.0, b"the guest panics"));
+    let bytes = host.bytes();
+    assert!(find(&bytes, b"\x1b[?1049l") < find(&bytes, b"the guest panics"));
 }
 
 fn a_panic_in_another_thread_restores() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.send(b"t");
     assert_eq!(host.await_end().0, 101);
@@ -379,7 +252,7 @@ fn a_panic_in_another_thread_restores() {
 
 fn signals_restore() {
     for (signal, status) in [(Signal::INT, 130), (Signal::TERM, 143), (Signal::HUP, 129)] {
-        let mut host = Host::guest();
+        let mut host = start();
         host.await_text("ready");
         host.signal(signal);
         assert_eq!(host.await_end().0, status);
@@ -388,7 +261,7 @@ fn signals_restore() {
 }
 
 fn a_hanging_loop_is_ended() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.send(b"h");
     thread::sleep(Duration::from_millis(100));
@@ -400,7 +273,7 @@ fn a_hanging_loop_is_ended() {
 }
 
 fn a_second_signal_ends_at_once() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.send(b"h");
     thread::sleep(Duration::from_millis(100));
@@ -414,7 +287,7 @@ fn a_second_signal_ends_at_once() {
 }
 
 fn a_terminal_nobody_reads_is_left() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.reading.store(false, Ordering::SeqCst);
     host.send(b"f");
@@ -424,11 +297,11 @@ fn a_terminal_nobody_reads_is_left() {
     assert_eq!(status, 143);
     assert!(took < Duration::from_secs(3), "{took:?}");
     // Nobody reads, so only the settings can have come back.
-    assert_eq!(settings(host.master.as_ref()), host.found);
+    host.assert_settings_given_back();
 }
 
 fn a_closed_terminal_ends_the_guest() {
-    let host = Host::guest();
+    let host = start();
     host.await_text("ready");
     assert_ends_within_two_seconds(host.close());
 }
@@ -439,35 +312,15 @@ fn a_closed_terminal_ends_the_deaf_guest() {
     command.args(["-c", "trap '' HUP; exec \"$0\""]);
     command.arg(exe);
     command.env(GUEST, "deaf");
-    let host = Host::start(&mut command);
+    let host = Host::start(&command, SIZE);
     host.await_text("ready");
     assert_ends_within_two_seconds(host.close());
 }
 
-fn assert_ends_within_two_seconds(mut child: Box<dyn Child + Send + Sync>) {
-    let waited = Instant::now();
-    let status = loop {
-        if let Some(status) = child.try_wait().expect("can be asked") {
-            break status;
-        }
-        if waited.elapsed() > Duration::from_secs(2) {
-            child.kill().expect("can be killed");
-            panic!("the guest outlived its terminal");
-        }
-        thread::sleep(Duration::from_millis(5));
-    };
-    assert_eq!(status.exit_code(), 129);
-}
-
 /// Starts a shell with job control and the guest as its job.
 fn guest_under_a_shell() -> Host {
-    let mut command = CommandBuilder::new("sh");
-    command.arg("-i");
-    command.env("PS1", "prompt> ");
-    command.env("ENV", "");
-    command.env("GUEST_EXE", std::env::current_exe().expect("this program"));
-    let mut host = Host::start(&mut command);
-    host.await_text("prompt>");
+    let exe = std::env::current_exe().expect("this program");
+    let mut host = Host::shell(&[("GUEST_EXE", exe.as_os_str())], SIZE);
     host.send(format!("{GUEST}=all \"$GUEST_EXE\"\n").as_bytes());
     host.await_text("guest 80x24 ready");
     host
@@ -512,7 +365,7 @@ fn a_suspended_guest_can_be_killed() {
 }
 
 fn without_a_shell_ctrl_z_does_nothing() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.send(b"\x1a");
     host.await_text("<c-z> #1");
@@ -522,7 +375,7 @@ fn without_a_shell_ctrl_z_does_nothing() {
 }
 
 fn a_stop_from_outside_resumes() {
-    let mut host = Host::guest();
+    let mut host = start();
     host.await_text("ready");
     host.signal(Signal::STOP);
     thread::sleep(Duration::from_millis(100));

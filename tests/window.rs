@@ -38,13 +38,17 @@ fn main() {
         return;
     }
     let filters: Vec<_> = arguments.iter().filter(|a| !a.starts_with('-')).collect();
+    let mut n_passed = 0;
     for (name, test) in tests {
         if filters.is_empty() || filters.iter().any(|f| name.contains(f.as_str())) {
             // A failure is a panic, which ends the process with an error.
             test();
             println!("test {name} ... ok");
+            n_passed += 1;
         }
     }
+    // As cargo's own test programs say it, for those who count results.
+    println!("\ntest result: ok. {n_passed} passed; 0 failed; {} filtered out", tests.len() - n_passed);
 }
 
 #[cfg(target_os = "linux")]

@@ -1,6 +1,6 @@
 //! The running editor: its event loop, its threads and its preview processes.
 //!
-//! One enum of events and one `match`: whatever can wake the program is in [`Event`]. This thread alone writes the
+//! One enum of events and one `match`: whatever can wake the program is in `Event`. This thread alone writes the
 //! document, solves and draws the terminal; the input, signal and preview threads only send.
 
 pub mod preview;
@@ -8,7 +8,7 @@ pub mod preview_main;
 pub mod signals;
 
 use std::{
-    io,
+    io::{self, Write as _},
     process::ExitCode,
     sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
     time::{Duration, Instant},
@@ -16,7 +16,7 @@ use std::{
 
 use crate::{
     editor::{Editor, Effect, Message},
-    scene::{FromPreview, Picture},
+    scene::{FromPreview, Picture, Scene},
     tui::{self, InputEvent, InputThread, Palette, Screen, Surroundings, Terminal},
 };
 use preview::{Preview, PreviewProgram, display_available};
@@ -29,6 +29,8 @@ const FRAME_OVER_SSH: Duration = Duration::from_millis(66);
 
 /// The exit status after the terminal went away, as for SIGHUP.
 const HANGUP_STATUS: u8 = 129;
+/// The exit status after a panic, as Rust's own.
+const PANIC_STATUS: u8 = 101;
 
 /// Whatever can wake the program.
 #[derive(Debug)]
@@ -36,13 +38,16 @@ enum Event {
     Input(InputEvent),
     Signal(SignalEvent),
     Preview(Kind, FromPreview),
+    /// Another thread panicked. The terminal is given back already.
+    Panicked,
 }
 
 /// The two kinds of preview.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Window,
-    Pane,
+    /// A pane has a number, because one that was closed may have events under way when the next one is open.
+    Pane(u32),
 }
 
 /// Runs the editor until the user leaves; returns the exit status.
@@ -60,7 +65,10 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
     let (sender, events) = mpsc::channel();
     // Whoever may have to give the terminal back knows it before it is taken.
     let screen = Screen::open()?;
-    tui::leave_on_panic(screen.clone(), || {});
+    tui::leave_on_panic(screen.clone(), {
+        let sender = sender.clone();
+        move || drop(sender.send(Event::Panicked))
+    });
     let mut send_signal = forward(&sender, Event::Signal);
     signals::watch(screen.clone(), move |signal| {
         send_signal(signal);
@@ -69,7 +77,25 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
     let _input = InputThread::start(screen, forward(&sender, Event::Input))?;
     let mut app = App::new(editor, terminal, sender);
     app.open_window_if_possible();
-    Ok(app.run(&events)?)
+    // Drawing fails only when the terminal is gone.
+    let status = app.run(&events).unwrap_or(HANGUP_STATUS);
+    let App { editor, terminal, .. } = app;
+    drop(terminal);
+    if status != 0 {
+        rescue(&editor);
+    }
+    Ok(status)
+}
+
+/// Keeps unsaved edits when it was not the user who chose to leave.
+fn rescue(editor: &Editor) {
+    let told = match editor.document().rescue() {
+        Ok(Some(file)) => format!("unsaved edits are in {}", file.display()),
+        Ok(None) => return,
+        Err(error) => format!("unsaved edits are lost: {error}"),
+    };
+    // A terminal that is gone cannot be told, and that is no reason to panic.
+    let _ = writeln!(io::stderr(), "walkabout: {told}");
 }
 
 /// Returns a function that sends what it is given as an event; false when nobody listens any more.
@@ -96,9 +122,13 @@ struct App {
     /// One line about the window: what draws it, or why there is none.
     window_line: String,
     pane: Option<Preview>,
+    /// The number of the pane that is open, or of the next one.
+    pane_number: u32,
     /// The pane's newest picture, and the size it was asked for.
     picture: Option<Picture>,
     pane_size: (u32, u32),
+    /// The scene the previews were given last; none when one of them has yet to be given its first.
+    given: Option<Scene>,
     frame: Duration,
 }
 
@@ -113,8 +143,10 @@ impl App {
             window: None,
             window_line: String::new(),
             pane: None,
+            pane_number: 0,
             picture: None,
             pane_size: (0, 0),
+            given: None,
             frame: if over_ssh { FRAME_OVER_SSH } else { FRAME },
         }
     }
@@ -160,6 +192,7 @@ impl App {
             Event::Signal(SignalEvent::Suspend) => self.suspend(),
             Event::Signal(SignalEvent::Resume) => signals::resume(&mut self.terminal)?,
             Event::Preview(kind, event) => self.preview_event(kind, event),
+            Event::Panicked => return Ok(Next::Leave(PANIC_STATUS)),
         }
         Ok(Next::Go)
     }
@@ -184,11 +217,14 @@ impl App {
     }
 
     fn preview_event(&mut self, kind: Kind, event: FromPreview) {
+        if matches!(kind, Kind::Pane(number) if number != self.pane_number) {
+            return;
+        }
         match (kind, event) {
             (Kind::Window, FromPreview::Ready { device, driver }) => {
                 self.window_line = format!("window: {device}, {driver}");
             }
-            (Kind::Pane, FromPreview::Frame(picture)) => self.picture = Some(picture),
+            (Kind::Pane(_), FromPreview::Frame(picture)) => self.picture = Some(picture),
             (Kind::Window, FromPreview::Closed) => {
                 self.window = None;
                 self.window_line = "window closed; w opens it".to_owned();
@@ -198,8 +234,8 @@ impl App {
                 self.window_line = why.clone();
                 self.editor.say(Message::warning(why));
             }
-            (Kind::Pane, FromPreview::Closed) => self.close_pane(),
-            (Kind::Pane, FromPreview::Failed(why)) => {
+            (Kind::Pane(_), FromPreview::Closed) => self.close_pane(),
+            (Kind::Pane(_), FromPreview::Failed(why)) => {
                 self.close_pane();
                 self.editor.say(Message::warning(why));
             }
@@ -244,7 +280,7 @@ impl App {
         if self.pane.is_some() {
             self.close_pane();
         } else {
-            match self.start(Kind::Pane, PreviewProgram::headless()) {
+            match self.start(Kind::Pane(self.pane_number), PreviewProgram::headless()) {
                 Ok(preview) => self.pane = Some(preview),
                 Err(why) => self.editor.say(Message::warning(why)),
             }
@@ -253,12 +289,14 @@ impl App {
 
     fn close_pane(&mut self) {
         self.pane = None;
+        self.pane_number += 1;
         self.picture = None;
         self.pane_size = (0, 0);
     }
 
-    fn start(&self, kind: Kind, program: io::Result<PreviewProgram>) -> Result<Preview, String> {
+    fn start(&mut self, kind: Kind, program: io::Result<PreviewProgram>) -> Result<Preview, String> {
         let program = program.map_err(|e| format!("no preview: {e}"))?;
+        self.given = None;
         let sender = self.sender.clone();
         Preview::start(&program, move |event| {
             // Nobody listens any more only when the editor is leaving.
@@ -267,7 +305,8 @@ impl App {
         .map_err(|e| format!("no preview: {e}"))
     }
 
-    /// Draws the terminal and hands the scene to the previews.
+    /// Draws the terminal and hands the scene to the previews, if it is not the one they have: a preview draws what it
+    /// is given, and its picture comes back here as an event.
     fn show(&mut self) -> io::Result<()> {
         let scene = self.editor.scene();
         let surroundings = Surroundings {
@@ -278,15 +317,20 @@ impl App {
         };
         let mut view_size = (0, 0);
         self.terminal.draw(|frame| view_size = tui::draw(frame, &self.editor, &scene, &surroundings))?;
-        if let Some(pane) = &self.pane {
-            if self.pane_size != view_size && view_size.0 > 0 && view_size.1 > 0 {
-                self.pane_size = view_size;
-                pane.resize(view_size.0, view_size.1);
-            }
-            pane.show(scene.clone());
+        if let Some(pane) = &self.pane
+            && self.pane_size != view_size
+            && view_size.0 > 0
+            && view_size.1 > 0
+        {
+            self.pane_size = view_size;
+            pane.resize(view_size.0, view_size.1);
         }
-        if let Some(window) = &self.window {
-            window.show(scene);
+        let is_given = |given: &Scene| given.still.revision == scene.still.revision && given.now == scene.now;
+        if !self.given.as_ref().is_some_and(is_given) {
+            for preview in [&self.pane, &self.window].into_iter().flatten() {
+                preview.show(scene.clone());
+            }
+            self.given = Some(scene);
         }
         Ok(())
     }

@@ -30,7 +30,10 @@ pub(super) fn run() -> Result<(), Failure> {
         Err(error) => line("vulkan", format!("none: {error}")),
     }
     let display = ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().find_map(|name| Some(format!("{name}={}", var(name)?)));
-    line("display", display.unwrap_or_else(|| "none: the editor runs without a window (key b draws in the terminal)".to_owned()));
+    line(
+        "display",
+        display.unwrap_or_else(|| "none: the editor runs without a window (key b draws in the terminal)".to_owned()),
+    );
     line("config files", "none are read; settings live in project files".to_owned());
     line("cores", std::thread::available_parallelism().map_or_else(|e| e.to_string(), |n| n.to_string()));
     super::print(&out)

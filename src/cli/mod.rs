@@ -49,7 +49,8 @@ impl Failure {
     /// Returns the exit status.
     fn status(&self) -> u8 {
         match self {
-            Self::Usage(_) | Self::Change(ChangeError::Parameter(SetError::Unknown { .. } | SetError::Value { .. })) => 2,
+            Self::Usage(_)
+            | Self::Change(ChangeError::Parameter(SetError::Unknown { .. } | SetError::Value { .. })) => 2,
             _ => 1,
         }
     }

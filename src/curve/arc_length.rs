@@ -14,6 +14,8 @@ const SPEED_ACCURACY: f64 = 1e-10;
 const LEAF_ACCURACY: f64 = 1e-13;
 /// Error of length at which an inverse is found, relative to the whole length.
 const INVERSE_ACCURACY: f64 = 1e-12;
+/// Error of length, relative to a leaf's, after which one Newton step is the last.
+const LAST_STEP: f64 = 1e-6;
 /// Halvings after which a leaf is taken as it is; by then it is shorter than any error that counts.
 const MAX_DEPTH: u32 = 44;
 /// Newton or bisection steps after which an inverse is as near as numbers allow.
@@ -64,6 +66,8 @@ struct Leaf {
     start: f64,
     /// Length along the leaf.
     length: f64,
+    /// Derivative of the length by `x` at the ends.
+    end_slopes: [f64; 2],
     /// Length since the start of the leaf, over `x` in [-1, 1]: coefficients of 1, x, x², …
     series: [f64; N + 1],
 }
@@ -123,10 +127,14 @@ impl ArcLength {
 
     /// Returns the length up to a parameter, clamped to [0, 1].
     pub fn length_at(&self, u: f64) -> f64 {
-        let idx = self.leaves.partition_point(|leaf| leaf.middle + leaf.half < u).min(self.leaves.len() - 1);
-        let leaf = &self.leaves[idx];
-        let x = if leaf.half > 0.0 { ((u - leaf.middle) / leaf.half).clamp(-1.0, 1.0) } else { 0.0 };
-        leaf.start + leaf.length_and_slope(x).0
+        let leaf = self.leaves.partition_point(|leaf| leaf.middle + leaf.half < u);
+        self.length_near(u, &mut Cursor { leaf })
+    }
+
+    /// Returns the length up to a parameter, clamped to [0, 1]; quick when the last query of the cursor was near.
+    pub fn length_near(&self, u: f64, cursor: &mut Cursor) -> f64 {
+        let leaf = self.leaf_near(cursor, |leaf| leaf.middle - leaf.half <= u);
+        leaf.start + leaf.length_and_slope(((u - leaf.middle) / leaf.half).clamp(-1.0, 1.0)).0
     }
 
     /// Returns the parameter at a length, clamped to the curve.
@@ -137,16 +145,21 @@ impl ArcLength {
 
     /// Returns the parameter at a length, clamped to the curve; quick when the last query of the cursor was near.
     pub fn parameter_near(&self, length: f64, cursor: &mut Cursor) -> f64 {
+        let leaf = self.leaf_near(cursor, |leaf| leaf.start <= length);
+        leaf.middle + leaf.half * leaf.place_of(length - leaf.start, INVERSE_ACCURACY * self.length)
+    }
+
+    /// Moves a cursor to the last leaf that has begun, the first if none has, and returns it.
+    fn leaf_near(&self, cursor: &mut Cursor, has_begun: impl Fn(&Leaf) -> bool) -> &Leaf {
         let mut idx = cursor.leaf.min(self.leaves.len() - 1);
-        while idx + 1 < self.leaves.len() && self.leaves[idx + 1].start <= length {
+        while idx + 1 < self.leaves.len() && has_begun(&self.leaves[idx + 1]) {
             idx += 1;
         }
-        while idx > 0 && self.leaves[idx].start > length {
+        while idx > 0 && !has_begun(&self.leaves[idx]) {
             idx -= 1;
         }
         cursor.leaf = idx;
-        let leaf = &self.leaves[idx];
-        leaf.middle + leaf.half * leaf.place_of(length - leaf.start, INVERSE_ACCURACY * self.length)
+        &self.leaves[idx]
     }
 }
 
@@ -166,17 +179,22 @@ impl Leaf {
         // Length is counted from x = -1.
         series[0] = -series.iter().rev().fold(0.0, |sum, c| c - sum);
         let length = series.iter().sum::<f64>().max(0.0);
-        (Self { middle, half, start, length, series }, error)
+        let mut leaf = Self { middle, half, start, length, end_slopes: [0.0; 2], series };
+        leaf.end_slopes = [-1.0, 1.0].map(|x| leaf.length_and_slope(x).1);
+        (leaf, error)
     }
 
     /// Returns the length from the start of the leaf to `x`, and its derivative by `x`.
+    ///
+    /// Even and odd powers apart: four short chains of multiplications that a processor runs side by side.
     fn length_and_slope(&self, x: f64) -> (f64, f64) {
-        let (mut value, mut slope) = (self.series[N], 0.0);
-        for &c in self.series[..N].iter().rev() {
-            slope = slope * x + value;
-            value = value * x + c;
-        }
-        (value, slope)
+        let [c0, c1, c2, c3, c4, c5, c6, c7, c8] = self.series;
+        let xx = x * x;
+        let even = c0 + xx * (c2 + xx * (c4 + xx * (c6 + xx * c8)));
+        let odd = c1 + xx * (c3 + xx * (c5 + xx * c7));
+        let even_slope = 2.0 * c2 + xx * (4.0 * c4 + xx * (6.0 * c6 + xx * (8.0 * c8)));
+        let odd_slope = c1 + xx * (3.0 * c3 + xx * (5.0 * c5 + xx * (7.0 * c7)));
+        (even + x * odd, odd_slope + x * even_slope)
     }
 
     /// Returns the `x` in [-1, 1] at a length from the start of the leaf (bracketed Newton).
@@ -188,7 +206,7 @@ impl Leaf {
             return 1.0;
         }
         let (mut low, mut high) = (-1.0, 1.0);
-        let mut x = 2.0 * length / self.length - 1.0;
+        let mut x = self.guess(length / self.length);
         for _ in 0..MAX_STEPS {
             let (value, slope) = self.length_and_slope(x);
             let error = value - length;
@@ -201,9 +219,23 @@ impl Leaf {
                 high = x
             }
             let newton = x - error / slope;
-            x = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let inside = newton > low && newton < high;
+            x = if inside { newton } else { 0.5 * (low + high) };
+            // Newton squares an error this small away, where the speed is not far below its mean.
+            if inside && error.abs() < LAST_STEP * self.length && slope > 0.25 * self.length {
+                break;
+            }
         }
         x
+    }
+
+    /// Returns about where a share of the leaf's length is: a cubic with the right ends and, within reason, slopes.
+    fn guess(&self, share: f64) -> f64 {
+        // Beyond three times the mean slope a cubic turns back.
+        let [from, to] = self.end_slopes.map(|slope| (self.length / slope).clamp(0.0, 6.0));
+        let bend = 6.0 - 2.0 * from - to;
+        let twist = from + to - 4.0;
+        share * (from + share * (bend + share * twist)) - 1.0
     }
 }
 

@@ -11,8 +11,9 @@ use toml::Value;
 
 use super::{
     Edits, Solved, Source,
-    parameter::{MAX_POINTS, SetError, parameter},
+    parameter::{MAX_POINTS, SetError},
     solve,
+    table::parameter,
 };
 use crate::path::{self, Shape};
 

@@ -1,30 +1,35 @@
 //! The document: a source, the user's edits with their history, and what follows from them.
 //!
-//! A [`Change`] makes the next [`Edits`], [`solve`] makes [`Solved`] of them; nothing else does. [`PARAMETERS`] is
+//! A [`Change`] makes the next [`Edits`], [`solve()`] makes [`Solved`] of them; nothing else does. [`PARAMETERS`] is
 //! the single source of names for panels, help, `--set` and project files.
 
 mod change;
 mod edits;
+mod files;
 mod history;
 mod parameter;
 mod project;
 mod solve;
 mod solved;
 mod source;
+mod table;
 
 use std::{path::Path, path::PathBuf, sync::Arc};
 
+pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
     CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, ProjectionKind, ResidualEdits, Show,
     TimingEdits, ViewEdits,
 };
+pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use history::History;
-pub use parameter::{Kind, MAX_POINTS, PARAMETERS, Parameter, SetError, Step, parameter, parse_assignment, show_value};
-pub use project::{EXTENSION, FORMAT, Opened, Problem, Project, ProjectError, open, write_file};
+pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
+pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
-pub use source::{BUILT_IN, OpenError, built_in};
+pub use source::{BUILT_IN, built_in};
+pub use table::{PARAMETERS, parameter};
 
 /// A source being edited: its history and its newest result.
 #[derive(Clone, Debug)]
@@ -102,16 +107,35 @@ impl Document {
     ///
     /// When the file cannot be written.
     pub fn save(&mut self, file: &Path) -> Result<(), OpenError> {
-        let source = &self.solved.source;
-        let project = Project {
-            clip_file: source.file.as_ref().map(|clip| project::clip_reference(file, clip)),
-            blake3: source.file.as_ref().map(|_| source.blake3()),
-            edits: (**self.edits()).clone(),
-        };
-        project::save(&project, file)?;
+        files::save(&self.as_project(file), file)?;
         self.saved = Arc::clone(self.edits());
         self.project = Some(file.to_owned());
         Ok(())
+    }
+
+    /// Saves unsaved edits to a new file beside the project or the clip and returns its name; none when all is saved.
+    ///
+    /// # Errors
+    ///
+    /// When the folder cannot be written.
+    pub fn rescue(&self) -> Result<Option<PathBuf>, OpenError> {
+        if !self.is_modified() {
+            return Ok(None);
+        }
+        let own = self.project.as_deref().or(self.solved.source.file.as_deref()).unwrap_or(Path::new("walk.bvh"));
+        let names = (1..).map(|n| own.with_extension(format!("rescued-{n}.{EXTENSION}")));
+        let file = names.into_iter().find(|name| !name.exists()).expect("numbers do not end");
+        files::save(&self.as_project(&file), &file)?;
+        Ok(Some(file))
+    }
+
+    fn as_project(&self, file: &Path) -> Project {
+        let source = &self.solved.source;
+        Project {
+            clip_file: source.file.as_ref().map(|clip| project::clip_reference(file, clip)),
+            blake3: source.file.as_ref().map(|_| source.blake3()),
+            edits: (**self.edits()).clone(),
+        }
     }
 
     /// Writes the edited clip to a BVH file.
@@ -127,5 +151,45 @@ impl Document {
         if !Arc::ptr_eq(&self.solved.edits, self.history.edits()) {
             self.solved = Arc::new(solve(&self.solved.source, self.history.edits(), Some(&self.solved)));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unsaved_edits_are_rescued_beside_the_project_and_never_over_a_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        document.save(&folder.path().join("walk.toml")).expect("saved");
+        assert_eq!(document.rescue(), Ok(None));
+        document.apply(&Change::InsertPoint { after_idx: 0 }, false).expect("a point");
+        for n in 1..3 {
+            let file = folder.path().join(format!("walk.rescued-{n}.toml"));
+            assert_eq!(document.rescue(), Ok(Some(file.clone())));
+            assert_eq!(open(Some(&file)).expect("opens").edits, **document.edits());
+        }
+    }
+
+    #[test]
+    fn a_path_keeps_its_shape_when_its_degree_or_points_change() {
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        let set = |values: &[(&str, i64)], shape: Option<&str>| Change::Set {
+            values: values.iter().map(|(name, v)| ((*name).to_owned(), toml::Value::Integer(*v))).collect(),
+            shape: shape.map(|s| s.parse().expect("a shape")),
+        };
+        document.apply(&set(&[], Some("s")), false).expect("a shape");
+        let before = document.solved().new_path_polyline(50);
+        let height = document.solved().clip.facts.height.value;
+        for values in [&[("path.points", 24)][..], &[("path.degree", 5)], &[("path.points", 30), ("path.degree", 2)]] {
+            document.apply(&set(values, None), false).expect("a refit");
+            let after = document.solved().new_path_polyline(50);
+            let off = before.iter().zip(&after).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            assert!(off < 0.05 * height, "{values:?}: off by {off}");
+        }
+        let warnings = document.apply(&set(&[("path.points", 3), ("path.degree", 9)], None), false).expect("raised");
+        assert_eq!(warnings, ["path.points raised to 10, which path.degree 9 needs"]);
+        assert_eq!(document.solved().control_points().len(), 10);
     }
 }

@@ -4,12 +4,7 @@
 //! that has changed since is a warning. `[clip] file` is relative to the project; without it the project is about
 //! the built-in clip.
 
-use std::{
-    fs,
-    io::Write as _,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
 
 use toml::{
     Value,
@@ -17,16 +12,13 @@ use toml::{
 };
 
 use super::{
-    Edits, Source,
-    parameter::{PARAMETERS, SetError, parameter, show_value},
-    source::{self, OpenError},
+    Edits,
+    parameter::{SetError, show_value},
+    table::{PARAMETERS, parameter},
 };
 
 /// The project format this program writes; every smaller one still opens.
 pub const FORMAT: i64 = 1;
-
-/// The file names that are opened as projects.
-pub const EXTENSION: &str = "toml";
 
 /// A project file that does not read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -70,43 +62,6 @@ pub struct Project {
     pub edits: Edits,
 }
 
-/// Something opened: a clip to edit, from its own file or through a project.
-#[derive(Clone, Debug)]
-pub struct Opened {
-    /// The clip.
-    pub source: Arc<Source>,
-    /// The project's edits, or the defaults.
-    pub edits: Edits,
-    /// The project file, if that is what was opened.
-    pub project: Option<PathBuf>,
-    /// What deserves the user's eye.
-    pub warnings: Vec<String>,
-}
-
-/// Opens a clip or a project, told apart by the file's name; none opens the built-in clip.
-///
-/// # Errors
-///
-/// When a file cannot be read or does not parse, with its place.
-pub fn open(file: Option<&Path>) -> Result<Opened, OpenError> {
-    let plain = |source| Opened { source: Arc::new(source), edits: Edits::default(), project: None, warnings: Vec::new() };
-    let Some(file) = file else { return Ok(plain(source::built_in())) };
-    if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case(EXTENSION)) {
-        return Ok(plain(source::read(file)?));
-    }
-    let text = source::read_text(file)?;
-    let project = parse(&text, &file.display().to_string())?;
-    let source = match &project.clip_file {
-        None => source::built_in(),
-        Some(clip) => source::read(&file.parent().unwrap_or(Path::new("")).join(clip))?,
-    };
-    let mut warnings = Vec::new();
-    if project.blake3.as_deref().is_some_and(|hash| hash != source.blake3()) {
-        warnings.push(format!("{} has changed since the project was saved", source.name));
-    }
-    Ok(Opened { source: Arc::new(source), edits: project.edits, project: Some(file.to_owned()), warnings })
-}
-
 /// Reads a project from its text; `file` is for messages.
 ///
 /// # Errors
@@ -133,7 +88,8 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
         for (key, value) in table {
             let name = format!("{prefix}{}", key.get_ref());
             let at = key.span().start;
-            let text_value = |what| value.get_ref().as_str().map(str::to_owned).ok_or_else(|| fail(at, Problem::NotText(what)));
+            let text_value =
+                |what| value.get_ref().as_str().map(str::to_owned).ok_or_else(|| fail(at, Problem::NotText(what)));
             match (name.as_str(), value.get_ref()) {
                 ("format", _) => {}
                 ("clip.file", _) => project.clip_file = Some(text_value("clip.file")?),
@@ -186,37 +142,6 @@ pub(super) fn print(project: &Project) -> String {
         }
     }
     out
-}
-
-/// Writes the project beside its name, then renames: all or nothing.
-///
-/// # Errors
-///
-/// When the folder cannot be written.
-pub(super) fn save(project: &Project, file: &Path) -> Result<(), OpenError> {
-    write_file(file, print(project).as_bytes())
-}
-
-/// Writes a file beside its name, then renames it, so that nobody sees half of it.
-///
-/// # Errors
-///
-/// When the folder cannot be written.
-pub fn write_file(file: &Path, bytes: &[u8]) -> Result<(), OpenError> {
-    let fail = |source: std::io::Error| OpenError::Write { file: file.display().to_string(), why: source.to_string() };
-    let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    // A temporary file is private by default; this one becomes the user's, with the mode any new file gets.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut beside = builder.tempfile_in(folder).map_err(fail)?;
-    beside.write_all(bytes).map_err(fail)?;
-    beside.as_file().sync_all().map_err(fail)?;
-    if let Ok(old) = fs::metadata(file) {
-        beside.as_file().set_permissions(old.permissions()).map_err(fail)?;
-    }
-    beside.persist(file).map_err(|e| fail(e.error))?;
-    Ok(())
 }
 
 /// Returns the way from a project to its clip: relative where both are in or below one folder, else absolute.
@@ -277,8 +202,7 @@ mod tests {
         let mut project = Project { clip_file: Some("walks/a \"b\".bvh".to_owned()), ..Project::default() };
         project.blake3 = Some("00ff".to_owned());
         project.edits.original.degree = Degree::Fixed(13);
-        project.edits.path.control_points =
-            Some((0..5).map(|i| DVec3::new(f64::from(i) / 3.0, 1e-7, -1e10)).collect());
+        project.edits.path.control_points = Some((0..5).map(|i| DVec3::new(f64::from(i) / 3.0, 1e-7, -1e10)).collect());
         project.edits.path.points = 5;
         project.edits.view.show.ground = false;
         project.edits.view.cameras[2].eye = Some(DVec3::new(1.0, 2.0, 3.0));

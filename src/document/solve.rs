@@ -105,7 +105,8 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         },
     );
 
-    let mut warnings = clip.warnings.clone();
+    let mut warnings: Vec<_> = source.bvh.warnings().iter().map(ToString::to_string).collect();
+    warnings.extend(clip.warnings.iter().cloned());
     warnings.extend(original_warnings(&original));
     warnings.extend(plan.warnings);
     warnings.extend(timing.warnings.iter().cloned());

@@ -6,9 +6,9 @@ use crate::{
 };
 
 /// Radius of a limb, as a share of its length and within bounds of the body height.
-const RADIUS_SHARE: f64 = 0.13;
+const RADIUS_SHARE: f64 = 0.16;
 const RADIUS_MIN: f64 = 0.005;
-const RADIUS_MAX: f64 = 0.028;
+const RADIUS_MAX: f64 = 0.038;
 /// Limbs shorter than this share of the body height are helper joints and not drawn.
 const SHORTEST: f64 = 0.002;
 

@@ -2,13 +2,9 @@
 
 use glam::{DQuat, DVec3};
 
-use super::{
-    Editor,
-    picture::PlanArea,
-    view::{ViewState, followed},
-};
+use super::{Editor, area::PlanArea};
 use crate::{
-    document::{CameraEdits, Document, ProjectionKind},
+    document::{CameraEdits, Document, ProjectionKind, Solved},
     scene::{Camera, Projection},
 };
 
@@ -23,8 +19,12 @@ const PAN_STEP: f64 = 0.08;
 const ZOOM_STEP: f64 = 0.88;
 /// The line of sight keeps this angle from the up direction, radians, so that up stays defined.
 const POLE_GAP: f64 = 0.02;
-/// A following preset frames this many body heights around the carrier.
-const FOLLOW_HEIGHTS: f64 = 1.3;
+/// A following preset frames this many body heights around the carrier, each way.
+const FOLLOW_HEIGHTS: f64 = 0.9;
+/// Presets frame for pictures at least this wide for their height.
+const ASPECT: f64 = 1.5;
+/// Room left around what is framed.
+const ROOM: f64 = 1.12;
 
 /// A preset in world space, at rest: following not yet applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,26 +72,48 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset
     .normalize();
     let own_projection = if camera_idx == 0 { ProjectionKind::Perspective } else { ProjectionKind::Orthographic };
     let height = solved.clip.facts.height.value;
-    let (centre, radius) = if edits.follow {
-        (followed(solved, 0), FOLLOW_HEIGHTS * height)
+    let (centre, framed): (DVec3, &[DVec3]) = if edits.follow {
+        let centre = followed(solved, 0);
+        (centre, &[DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y].map(|side| centre + side * FOLLOW_HEIGHTS * height))
     } else {
-        (area.centre, area.radius_from(direction))
+        (area.centre, &area.points)
     };
-    let target = edits.target.map_or(centre, to_world);
-    let fov_y_rad = edits.fov.to_radians();
-    let eye = edits.eye.map_or(target + direction * radius / (0.5 * fov_y_rad).sin(), to_world);
     // A view straight down has the clip's far side at the top.
     let own_up = if camera_idx == 3 { DVec3::NEG_Z } else { DVec3::Y };
-    let mut preset = Preset {
-        eye,
-        target,
-        up: edits.up.map_or(own_up, to_world),
-        fov_y_rad,
-        projection: edits.projection.unwrap_or(own_projection),
-        follow: edits.follow,
-    };
+    let projection = edits.projection.unwrap_or(own_projection);
+    let target = edits.target.map_or(centre, to_world);
+    let fov_y_rad = edits.fov.to_radians();
+    let eye = edits.eye.map_or_else(
+        || target + direction * framing_distance(centre, framed, direction, own_up, fov_y_rad, projection),
+        to_world,
+    );
+    let mut preset =
+        Preset { eye, target, up: edits.up.map_or(own_up, to_world), fov_y_rad, projection, follow: edits.follow };
     preset.mend(height);
     preset
+}
+
+/// Returns how far from the centre, along a direction, all points are in the picture.
+fn framing_distance(
+    centre: DVec3,
+    points: &[DVec3],
+    direction: DVec3,
+    up: DVec3,
+    fov_y_rad: f64,
+    projection: ProjectionKind,
+) -> f64 {
+    let right = up.cross(direction).normalize();
+    let screen_up = direction.cross(right);
+    let slope = (0.5 * fov_y_rad).tan();
+    let needed = points.iter().map(|&point| {
+        let p = point - centre;
+        let across = p.dot(screen_up).abs().max(p.dot(right).abs() / ASPECT) / slope;
+        match projection {
+            ProjectionKind::Perspective => across + p.dot(direction),
+            ProjectionKind::Orthographic => across,
+        }
+    });
+    ROOM * needed.fold(0.0, f64::max)
 }
 
 impl Preset {
@@ -126,9 +148,14 @@ impl Preset {
     }
 }
 
+/// The point a following camera follows: the new path under the playhead.
+fn followed(solved: &Solved, frame_idx: usize) -> DVec3 {
+    solved.new_frame(frame_idx).translation
+}
+
 /// Returns how far the carrier has come since the first frame: what a following camera moves by.
-pub(super) fn follow_offset(document: &Document, view: &ViewState) -> DVec3 {
-    followed(document.solved(), view.frame_idx) - followed(document.solved(), 0)
+pub(super) fn follow_offset(document: &Document, frame_idx: usize) -> DVec3 {
+    followed(document.solved(), frame_idx) - followed(document.solved(), 0)
 }
 
 /// Returns the preset in use.
@@ -167,7 +194,8 @@ pub(super) fn moved(editor: &Editor, by: Move) -> CameraEdits {
             edits.projection = Some(ProjectionKind::Orthographic);
         }
         Move::Target => {
-            let offset = if preset.follow { follow_offset(&editor.document, &editor.view) } else { DVec3::ZERO };
+            let offset =
+                if preset.follow { follow_offset(&editor.document, editor.view.frame_idx) } else { DVec3::ZERO };
             let step = solved.carrier(editor.view.frame_idx).translation - offset - preset.target;
             preset.eye += step;
             preset.target += step;

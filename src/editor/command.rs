@@ -10,7 +10,7 @@ use super::{
     camera::{self, Move},
 };
 use crate::{
-    document::{Change, CameraEdits, ProjectionKind, parameter},
+    document::{CameraEdits, Change, ProjectionKind, parameter},
     path::{Shape, ShapeKind},
 };
 
@@ -110,7 +110,9 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Play, "frame.previous", &[","], "One frame back.", has_motion, |e, _| step_frame(e, -1)),
     row(Group::Play, "frame.start", &["<home>", "0"], "Jump to the start.", has_motion, |e, _| jump(e, 0)),
     row(Group::Play, "frame.end", &["<end>", "$"], "Jump to the end.", has_motion, |e, _| jump(e, usize::MAX)),
-    row(Group::Play, "speed.down", &["<lt>"], "Play slower.", always, |e, c| step_value(e, c, "timing.speed", -1, false)),
+    row(Group::Play, "speed.down", &["<lt>"], "Play slower.", always, |e, c| {
+        step_value(e, c, "timing.speed", -1, false)
+    }),
     row(Group::Play, "speed.up", &["<gt>"], "Play faster.", always, |e, c| step_value(e, c, "timing.speed", 1, false)),
     row(Group::Panel, "tab.next", &["<tab>"], "Next tab.", always, |e, _| turn_tab(e, 1)),
     row(Group::Panel, "tab.previous", &["<s-tab>"], "Previous tab.", always, |e, _| turn_tab(e, TABS.len() - 1)),
@@ -143,7 +145,9 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Points, "point.z_down", &["Z"], "Move the point along −z.", path_editable, |e, c| {
         nudge(e, c, DVec3::NEG_Z)
     }),
-    row(Group::Points, "nudge.up", &["}"], "A larger nudge step.", always, |e, c| step_value(e, c, "path.nudge", 1, false)),
+    row(Group::Points, "nudge.up", &["}"], "A larger nudge step.", always, |e, c| {
+        step_value(e, c, "path.nudge", 1, false)
+    }),
     row(Group::Points, "nudge.down", &["{"], "A smaller nudge step.", always, |e, c| {
         step_value(e, c, "path.nudge", -1, false)
     }),
@@ -182,7 +186,9 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, _| use_camera(e, 1)),
     row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, _| use_camera(e, 2)),
     row(Group::Camera, "camera.4", &["4"], "Camera 4, top.", always, |e, _| use_camera(e, 3)),
-    row(Group::Camera, "orbit.left", &["<s-left>", "H"], "Orbit left.", always, |e, c| move_camera(e, c, Move::Orbit(-1, 0))),
+    row(Group::Camera, "orbit.left", &["<s-left>", "H"], "Orbit left.", always, |e, c| {
+        move_camera(e, c, Move::Orbit(-1, 0))
+    }),
     row(Group::Camera, "orbit.right", &["<s-right>", "L"], "Orbit right.", always, |e, c| {
         move_camera(e, c, Move::Orbit(1, 0))
     }),
@@ -190,15 +196,27 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Camera, "orbit.down", &["<s-down>", "J"], "Orbit down.", always, |e, c| {
         move_camera(e, c, Move::Orbit(0, -1))
     }),
-    row(Group::Camera, "pan.left", &["<a-left>", "<a-h>"], "Pan left.", always, |e, c| move_camera(e, c, Move::Pan(-1, 0))),
-    row(Group::Camera, "pan.right", &["<a-right>", "<a-l>"], "Pan right.", always, |e, c| move_camera(e, c, Move::Pan(1, 0))),
+    row(Group::Camera, "pan.left", &["<a-left>", "<a-h>"], "Pan left.", always, |e, c| {
+        move_camera(e, c, Move::Pan(-1, 0))
+    }),
+    row(Group::Camera, "pan.right", &["<a-right>", "<a-l>"], "Pan right.", always, |e, c| {
+        move_camera(e, c, Move::Pan(1, 0))
+    }),
     row(Group::Camera, "pan.up", &["<a-up>", "<a-k>"], "Pan up.", always, |e, c| move_camera(e, c, Move::Pan(0, 1))),
-    row(Group::Camera, "pan.down", &["<a-down>", "<a-j>"], "Pan down.", always, |e, c| move_camera(e, c, Move::Pan(0, -1))),
+    row(Group::Camera, "pan.down", &["<a-down>", "<a-j>"], "Pan down.", always, |e, c| {
+        move_camera(e, c, Move::Pan(0, -1))
+    }),
     row(Group::Camera, "zoom.in", &["<pageup>", ")"], "Zoom in.", always, |e, c| move_camera(e, c, Move::Zoom(1))),
     row(Group::Camera, "zoom.out", &["<pagedown>", "("], "Zoom out.", always, |e, c| move_camera(e, c, Move::Zoom(-1))),
-    row(Group::Camera, "look.x", &["ax"], "Look along x, orthographic.", always, |e, c| move_camera(e, c, Move::Along(0))),
-    row(Group::Camera, "look.y", &["ay"], "Look along y, orthographic.", always, |e, c| move_camera(e, c, Move::Along(1))),
-    row(Group::Camera, "look.z", &["az"], "Look along z, orthographic.", always, |e, c| move_camera(e, c, Move::Along(2))),
+    row(Group::Camera, "look.x", &["ax"], "Look along x, orthographic.", always, |e, c| {
+        move_camera(e, c, Move::Along(0))
+    }),
+    row(Group::Camera, "look.y", &["ay"], "Look along y, orthographic.", always, |e, c| {
+        move_camera(e, c, Move::Along(1))
+    }),
+    row(Group::Camera, "look.z", &["az"], "Look along z, orthographic.", always, |e, c| {
+        move_camera(e, c, Move::Along(2))
+    }),
     row(Group::Camera, "projection", &["o"], "Perspective or orthographic.", always, |e, c| {
         let kind = camera::of(e).projection;
         let next = match kind {
@@ -225,7 +243,9 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Show, "show.original_path", &["vO"], "The path fitted to the clip.", always, |e, c| {
         step_value(e, c, "show.original_path", 1, false)
     }),
-    row(Group::Show, "show.new_path", &["vN"], "The new path.", always, |e, c| step_value(e, c, "show.new_path", 1, false)),
+    row(Group::Show, "show.new_path", &["vN"], "The new path.", always, |e, c| {
+        step_value(e, c, "show.new_path", 1, false)
+    }),
     row(Group::Show, "show.control_points", &["vc"], "The control points.", always, |e, c| {
         step_value(e, c, "show.control_points", 1, false)
     }),
@@ -247,9 +267,13 @@ pub const COMMANDS: &[Command] = &[
         Effect::None
     }),
     row(Group::File, "undo", &["u"], "Undo.", always, |e, _| travel(e, "undo", crate::document::Document::undo)),
-    row(Group::File, "redo", &["U", "<c-r>"], "Redo.", always, |e, _| travel(e, "redo", crate::document::Document::redo)),
+    row(Group::File, "redo", &["U", "<c-r>"], "Redo.", always, |e, _| {
+        travel(e, "redo", crate::document::Document::redo)
+    }),
     row(Group::File, "window", &["w"], "Open or close the preview window.", always, |_, _| Effect::ToggleWindow),
-    row(Group::File, "pane", &["b"], "The rendered picture in the terminal, or the plan.", always, |_, _| Effect::TogglePane),
+    row(Group::File, "pane", &["b"], "The rendered picture in the terminal, or the plan.", always, |_, _| {
+        Effect::TogglePane
+    }),
     row(Group::File, "save", &["S", "<c-s>"], "Save the project.", always, |e, _| save(e)),
     row(Group::File, "save_as", &["A"], "Save the project under another name.", always, |e, _| {
         let offered = project_name(e);

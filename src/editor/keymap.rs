@@ -1,9 +1,6 @@
 //! From key presses to commands: whole sequences are matched, unfinished ones wait and show what may follow.
 
-use super::{
-    COMMANDS, Command, Editor, Effect, Message,
-    command::Group,
-};
+use super::{COMMANDS, Command, Editor, Effect, Message, command::Group};
 use crate::key::{Code, Key};
 
 /// One line of the help: keys that work now and what they do.

@@ -1,9 +1,10 @@
 //! The editor: what the user sees and does, without a terminal and without a GPU.
 //!
-//! Keys come in as [`Key`], become [`Command`]s by the table in [`command`], and change the [`Document`] or the
+//! Keys come in as [`Key`], become [`Command`]s by the table [`COMMANDS`], and change the [`Document`] or the
 //! [`ViewState`]; front ends read both and the [`Scene`] built from them. What the editor cannot do itself (quit, open
 //! a window) it returns as an [`Effect`].
 
+mod area;
 mod body;
 mod camera;
 mod command;
@@ -24,11 +25,12 @@ use crate::{
     scene::Scene,
 };
 
+pub use area::PlanArea;
 pub use camera::{PRESET_NAMES, Preset, preset};
 pub use command::{COMMANDS, Command, Group};
 pub use keymap::Hint;
 pub use panel::{Row, RowKind, TABS, Tab};
-pub use picture::{PlanArea, still_scene};
+pub use picture::still_scene;
 pub use prompt::{Asking, Prompt};
 pub use view::{Message, Severity, ViewState};
 

@@ -25,16 +25,8 @@ pub enum Tab {
 }
 
 /// The tabs in order.
-pub const TABS: [Tab; 8] = [
-    Tab::Path,
-    Tab::Original,
-    Tab::Timing,
-    Tab::Clip,
-    Tab::Show,
-    Tab::Camera,
-    Tab::Residuals,
-    Tab::Quality,
-];
+pub const TABS: [Tab; 8] =
+    [Tab::Path, Tab::Original, Tab::Timing, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
 
 impl Tab {
     /// Returns the tab's title.
@@ -248,7 +240,7 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
         fact(
             &format!("seam at {}", seam.frame),
             format!("{:.3} {:.3} {:.3}", seam.position, seam.rotation, seam.velocity),
-            "Position, rotation and velocity step at the seam against the largest neighbouring step.".to_owned(),
+            "Largest step of any joint at the seam: position in body heights, rotation in radians, velocity in body heights a second.".to_owned(),
         )
     }));
     rows

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{
+    area::PlanArea,
     body::body,
     camera::{self, PRESET_NAMES},
     view::ViewState,
@@ -23,57 +24,11 @@ const CURVE_POINTS: usize = 400;
 const POINT_RADIUS: f64 = 0.035;
 const TRACKER_RADIUS: f64 = 0.06;
 
-/// A box around everything that moves: what the plan and the camera presets frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanArea {
-    /// Centre of the box, world.
-    pub centre: DVec3,
-    /// Half its edges, world; positive.
-    pub half_extents: DVec3,
-}
-
-impl PlanArea {
-    /// Returns the radius of a sphere that holds the box as seen from a direction.
-    pub(super) fn radius_from(&self, direction: DVec3) -> f64 {
-        let h = self.half_extents;
-        // Across the line of sight the box is as large as its extents without their part along it.
-        let along = (h * direction.abs()).length();
-        (h.length_squared() - 0.5 * along * along).sqrt()
-    }
-
-    /// Keeps this box while it still frames the other one well, so that views stay still under small edits.
-    pub(super) fn keep_or(self, needed: Self) -> Self {
-        let outside = (needed.centre - self.centre).abs() + needed.half_extents - self.half_extents;
-        let too_large = self.half_extents.max_element() > 2.0 * needed.half_extents.max_element();
-        if outside.max_element() > 0.0 || too_large { needed } else { self }
-    }
-}
-
-/// Returns the box around both carriers' ways, the control points and a body.
-pub(super) fn area(solved: &Solved) -> PlanArea {
-    let height = solved.clip.facts.height.value;
-    let up = solved.clip.facts.up.value;
-    let floor = solved.clip.facts.floor;
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    let originals = (0..solved.clip.n_frames()).map(|f| solved.clip.carrier_world(f).translation);
-    let edited = (0..solved.edited.n_frames()).map(|f| solved.carrier(f).translation);
-    let points = solved.control_points().into_iter().map(|p| up.to_world(p));
-    for p in originals.chain(edited).chain(points) {
-        low = low.min(p);
-        high = high.max(p);
-    }
-    let margin = DVec3::new(0.5, 0.0, 0.5) * height;
-    low = (low - margin).with_y(low.y.min(floor));
-    high = (high + margin).with_y(high.y.max(floor + 1.05 * height));
-    PlanArea { centre: low.midpoint(high), half_extents: 0.5 * (high - low) }
-}
-
 /// The still part in use and what it was made from.
 #[derive(Clone, Debug)]
 pub(super) struct Stills {
     still: Arc<Still>,
-    made_from: Option<(Arc<Solved>, usize, PlanArea)>,
+    made_from: Option<(Arc<Solved>, usize, Arc<[DVec3]>)>,
 }
 
 impl Default for Stills {
@@ -100,12 +55,12 @@ impl Stills {
     pub(super) fn follow(&mut self, document: &Document, view: &ViewState) {
         let solved = document.solved();
         let same = self.made_from.as_ref().is_some_and(|(old, point_idx, area)| {
-            Arc::ptr_eq(old, solved) && *point_idx == view.point_idx && *area == view.area
+            Arc::ptr_eq(old, solved) && *point_idx == view.point_idx && Arc::ptr_eq(area, &view.area.points)
         });
         if !same {
             let revision = self.still.revision + 1;
             self.still = Arc::new(still_scene(solved, document.edits(), view.point_idx, &view.area, revision));
-            self.made_from = Some((Arc::clone(solved), view.point_idx, view.area));
+            self.made_from = Some((Arc::clone(solved), view.point_idx, Arc::clone(&view.area.points)));
         }
     }
 }
@@ -143,11 +98,8 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
         at: at + DVec3::Y * 2.0 * POINT_RADIUS * height,
         text: (idx + 1).to_string(),
     };
-    let labels = if show.control_points && show.labels {
-        controls.iter().enumerate().map(label).collect()
-    } else {
-        Vec::new()
-    };
+    let labels =
+        if show.control_points && show.labels { controls.iter().enumerate().map(label).collect() } else { Vec::new() };
     Still {
         revision,
         body_height: height,
@@ -219,7 +171,7 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
         }
     }
     let preset = camera::preset(document, &view.area, view.camera_idx);
-    let camera = preset.camera(camera::follow_offset(document, view));
+    let camera = preset.camera(camera::follow_offset(document, view.frame_idx));
     let kind = match preset.projection {
         ProjectionKind::Perspective => "perspective",
         ProjectionKind::Orthographic => "orthographic",
@@ -239,11 +191,13 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
 }
 
 fn caption(solved: &Solved, view: &ViewState) -> String {
+    // Frame numbers people see count what would be exported.
+    let rest = solved.clip.rest_frames();
     format!(
         "{}  frame {} of {}  {:.2} s  {}",
         solved.source.name,
-        view.frame_idx,
-        solved.edited.n_frames(),
+        view.frame_idx + rest,
+        solved.edited.n_frames() + rest,
         view.frame_idx as f64 * solved.clip.frame_time_secs,
         if view.playing { "playing" } else { "paused" },
     )

@@ -1,10 +1,8 @@
 //! View state: the playhead, what is selected, which tab and camera are in use. None of it is history.
 
-use glam::DVec3;
-
 use super::{
+    area::{self, PlanArea},
     panel::{Row, RowKind, TABS},
-    picture::{self, PlanArea},
 };
 use crate::document::{Document, Solved};
 
@@ -80,7 +78,7 @@ impl ViewState {
             rows: [0; TABS.len()],
             point_idx: 0,
             camera_idx: 0,
-            area: picture::area(solved),
+            area: area::area(solved),
             help: None,
             message: None,
         }
@@ -91,7 +89,7 @@ impl ViewState {
         let solved = document.solved();
         self.frame_idx = self.frame_idx.min(solved.edited.n_frames().saturating_sub(1));
         self.point_idx = self.point_idx.min(solved.control_points().len().saturating_sub(1));
-        self.area = self.area.keep_or(picture::area(solved));
+        self.area = self.area.keep_or(area::area(solved));
     }
 
     /// Keeps the selected row within the tab's rows, and the selected point with a selected point row.
@@ -123,9 +121,4 @@ impl ViewState {
         self.frame_idx = frame_idx;
         self.carried_secs = 0.0;
     }
-}
-
-/// The point a following camera follows: the new path under the playhead.
-pub(super) fn followed(solved: &Solved, frame_idx: usize) -> DVec3 {
-    solved.new_frame(frame_idx).translation
 }

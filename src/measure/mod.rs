@@ -21,6 +21,9 @@ use crate::{
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
 
+/// A mean third difference below this share of the body height is rounding, not motion.
+const LEAST_JERK: f64 = 1e-9;
+
 /// A number of the source and of the edited clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
@@ -77,7 +80,7 @@ impl Measured<'_> {
         // Without an edit the frames are the source's, and so are the numbers.
         let sweep = if carriers.is_empty() { source } else { self.body.sweep(carriers, &self.edited.source_frames) };
         let jerk_ratio = match (sweep.mean_jerk, source.mean_jerk) {
-            (Some(edited), Some(source)) if source > 0.0 => Some(edited / source),
+            (Some(edited), Some(source)) if source > LEAST_JERK * height => Some(edited / source),
             _ => None,
         };
         Measures {

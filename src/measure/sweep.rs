@@ -1,36 +1,50 @@
 //! One look at every joint of every frame: how jerky they move and how tall the body is.
 //!
-//! Frames are taken in stretches short enough to stay in the nearest cache. For a stretch the carrier's motions are
-//! spread into twelve arrays, and each point runs through them four frames at a time:
+//! An edit moves the carrier's subtree of each frame as one rigid body away from where it is in the source. Frames are
+//! taken in stretches short enough to stay in the nearest cache. For a stretch those moves are spread into arrays, and
+//! each point runs through them several frames at a time:
 //!
 //! ```text
-//! point p of stretch:  relative x y z ──carrier──▶ world x y z ──third difference──▶ sum of norms
-//!                                                        └─ lowest and highest y per frame
+//! point p of stretch:  source x y z ──move──▶ edited x y z ──third difference──▶ sum of norms
+//!                                                     └─ lowest and highest y per frame
 //! ```
+//!
+//! Most moves are upright: a turn about up and a shift. They need less than half the arithmetic and leave heights
+//! alone, so they have a way of their own.
 
 use glam::DMat3;
 use wide::f64x4;
 
 use crate::{
     math::Rigid,
-    motion::{CarrierRelative, Clip, carrier_relative},
+    motion::{Clip, PointTracks},
 };
 
 /// Frames in a stretch; a multiple of four.
 const STRETCH: usize = 256;
-/// A third difference spans four frames, so stretches share three; rounded up to whole lanes.
-const BUFFER: usize = STRETCH + LANES;
-const LANES: usize = 4;
 /// Frames before a third difference's last one.
 const SPAN: usize = 3;
+/// Frames handled at once.
+const LANES: usize = 4;
+/// A move is upright when x and z of its quaternion are below this: then no joint is off by more than 1e-10 body
+/// heights.
+const UPRIGHT: f64 = 1e-11;
+
+/// One value per frame of a stretch.
+type Column = [f64; STRETCH];
 
 /// A clip's body, ready to be measured wherever its carrier goes.
 #[derive(Clone, Debug)]
 pub struct Body {
-    relative: CarrierRelative,
+    /// World positions of all points in the source.
+    tracks: PointTracks,
+    /// Whether each point goes where the carrier goes.
+    follows: Vec<bool>,
     n_joints: usize,
-    /// World tracks of the points outside the carrier's subtree, which no edit moves.
-    outside: Vec<Track>,
+    /// What takes the carrier of each frame to the origin.
+    to_origin: Vec<Rigid>,
+    /// Highest minus lowest point of each frame.
+    heights: Vec<f64>,
     source: Sweep,
 }
 
@@ -43,26 +57,27 @@ pub struct Sweep {
     pub height: f64,
 }
 
-/// World positions of one point over the clip's frames.
-#[derive(Clone, Debug)]
-struct Track {
-    is_joint: bool,
-    axes: [Vec<f64>; 3],
-}
-
 impl Body {
     /// Prepares a clip; one pass over all its frames. `carriers` is the clip's own carrier track.
     pub fn of(clip: &Clip, carriers: &[Rigid]) -> Self {
-        let relative = carrier_relative(clip);
-        let n_joints = clip.skeleton.n_joints();
+        let skeleton = &clip.skeleton;
+        let carrier = clip.facts.carrier.value;
+        let within = skeleton.subtree(carrier);
+        let sites = skeleton.end_sites().iter().map(|id| within[id.idx()]);
         let mut body = Self {
-            outside: outside_tracks(clip, &relative),
-            relative,
-            n_joints,
+            tracks: clip.world_tracks(),
+            follows: within.iter().copied().chain(sites).collect(),
+            n_joints: skeleton.n_joints(),
+            to_origin: carriers.iter().map(Rigid::inverse).collect(),
+            heights: Vec::new(),
             source: Sweep { mean_jerk: None, height: 0.0 },
         };
         let frames: Vec<u32> = (0..carriers.len() as u32).collect();
-        body.source = body.sweep(carriers, &frames);
+        let moves = vec![Rigid::IDENTITY; carriers.len()];
+        let mut heights = Vec::with_capacity(frames.len());
+        let jerk_sum = body.look(&Moves { moves: &moves, upright: true }, &frames, Some(&mut heights));
+        body.source = Sweep { mean_jerk: body.mean_jerk(jerk_sum, frames.len()), height: median(&mut heights.clone()) };
+        body.heights = heights;
         body
     }
 
@@ -73,46 +88,62 @@ impl Body {
 
     /// Looks at all frames of the clip with its carrier elsewhere: frame `i` shows the clip's frame `frames[i]`.
     pub fn sweep(&self, carriers: &[Rigid], frames: &[u32]) -> Sweep {
+        let moves: Vec<Rigid> = carriers.iter().zip(frames).map(|(&c, &f)| c * self.to_origin[f as usize]).collect();
+        let upright = moves.iter().all(|m| m.rotation.x.abs().max(m.rotation.z.abs()) < UPRIGHT);
+        let keeps_heights = upright && self.follows.iter().all(|&follows| follows);
+        let moves = Moves { moves: &moves, upright };
+        let mut heights = Vec::with_capacity(frames.len());
+        let jerk_sum = self.look(&moves, frames, (!keeps_heights).then_some(&mut heights));
+        if keeps_heights {
+            heights.extend(frames.iter().map(|&f| self.heights[f as usize]));
+        }
+        Sweep { mean_jerk: self.mean_jerk(jerk_sum, frames.len()), height: median(&mut heights) }
+    }
+
+    fn mean_jerk(&self, sum: f64, n_frames: usize) -> Option<f64> {
+        let n_jerks = n_frames.saturating_sub(SPAN) * self.n_joints;
+        (n_jerks > 0).then(|| sum / n_jerks as f64)
+    }
+
+    /// Returns the sum of third differences over joints and frames; notes the height of each frame if asked to.
+    fn look(&self, moves: &Moves, frames: &[u32], mut heights: Option<&mut Vec<f64>>) -> f64 {
         let n = frames.len();
         let mut sum = 0.0;
-        let mut heights = Vec::with_capacity(n);
         let mut stretch = Stretch::new();
         let mut from = 0;
         while from < n {
-            // The frames of the last third difference, counted again with the next stretch.
             let end = (from + STRETCH).min(n);
-            stretch.begin(&carriers[from..end], &frames[from..end]);
-            for (point, &skeleton_point) in self.relative.points.iter().enumerate() {
-                let tracks = &self.relative.tracks;
-                stretch.place([tracks.x(point), tracks.y(point), tracks.z(point)]);
-                sum += stretch.look(skeleton_point < self.n_joints);
+            stretch.begin(moves, from..end, frames);
+            for (point, &follows) in self.follows.iter().enumerate() {
+                let is_joint = point < self.n_joints;
+                if !is_joint && heights.is_none() {
+                    continue;
+                }
+                stretch.place([self.tracks.x(point), self.tracks.y(point), self.tracks.z(point)], follows);
+                if is_joint {
+                    sum += jerk_sum(&stretch.world, end - from);
+                }
+                if heights.is_some() {
+                    stretch.note_heights();
+                }
             }
-            for track in &self.outside {
-                stretch.copy([&track.axes[0], &track.axes[1], &track.axes[2]]);
-                sum += stretch.look(track.is_joint);
-            }
+            // The frames of the last third difference are taken again with the next stretch.
             let overlap = if end < n { SPAN } else { 0 };
-            heights.extend(stretch.heights().take(end - from - overlap));
+            if let Some(heights) = &mut heights {
+                heights.extend(stretch.heights().take(end - from - overlap));
+            }
             from = end - overlap;
         }
-        let n_jerks = n.saturating_sub(SPAN) * self.n_joints;
-        Sweep { mean_jerk: (n_jerks > 0).then(|| sum / n_jerks as f64), height: median(&mut heights) }
+        sum
     }
 }
 
-fn outside_tracks(clip: &Clip, relative: &CarrierRelative) -> Vec<Track> {
-    let n_points = clip.skeleton.n_points();
-    if relative.points.len() == n_points {
-        return Vec::new();
-    }
-    let world = clip.world_tracks();
-    (0..n_points)
-        .filter(|point| !relative.points.contains(point))
-        .map(|point| Track {
-            is_joint: point < clip.skeleton.n_joints(),
-            axes: [world.x(point).to_vec(), world.y(point).to_vec(), world.z(point).to_vec()],
-        })
-        .collect()
+/// Where the body of each edited frame goes from where it is in the source.
+#[derive(Clone, Copy, Debug)]
+struct Moves<'a> {
+    moves: &'a [Rigid],
+    /// All of them are turns about up and shifts.
+    upright: bool,
 }
 
 /// A stretch of frames and what one point does in it.
@@ -120,13 +151,14 @@ struct Stretch<'a> {
     frames: &'a [u32],
     /// The clip's frames follow one another, so a track can be read in place.
     in_place: bool,
-    /// Carrier's rotation by rows, then its translation.
-    motion: [[f64; BUFFER]; 12],
+    upright: bool,
+    /// Rotation by rows, then translation; of an upright move only what [`carry_upright`] reads.
+    motion: [Column; 12],
     /// World position of the point in hand.
-    world: [[f64; BUFFER]; 3],
-    gathered: [[f64; BUFFER]; 3],
-    low: [f64; BUFFER],
-    high: [f64; BUFFER],
+    world: [Column; 3],
+    gathered: [Column; 3],
+    low: Column,
+    high: Column,
 }
 
 impl<'a> Stretch<'a> {
@@ -134,58 +166,67 @@ impl<'a> Stretch<'a> {
         Self {
             frames: &[],
             in_place: true,
-            motion: [[0.0; BUFFER]; 12],
-            world: [[0.0; BUFFER]; 3],
-            gathered: [[0.0; BUFFER]; 3],
-            low: [0.0; BUFFER],
-            high: [0.0; BUFFER],
+            upright: true,
+            motion: [[0.0; STRETCH]; 12],
+            world: [[0.0; STRETCH]; 3],
+            gathered: [[0.0; STRETCH]; 3],
+            low: [0.0; STRETCH],
+            high: [0.0; STRETCH],
         }
     }
 
-    fn begin(&mut self, carriers: &[Rigid], frames: &'a [u32]) {
-        self.frames = frames;
-        self.in_place = frames.windows(2).all(|w| w[1] == w[0] + 1);
+    fn begin(&mut self, moves: &Moves, range: std::ops::Range<usize>, frames: &'a [u32]) {
+        self.frames = &frames[range.clone()];
+        self.in_place = self.frames.windows(2).all(|w| w[1] == w[0] + 1);
+        self.upright = moves.upright;
         self.low.fill(f64::INFINITY);
         self.high.fill(f64::NEG_INFINITY);
-        for (i, carrier) in carriers.iter().enumerate() {
-            let columns = DMat3::from_quat(carrier.rotation);
-            let rows = columns.transpose();
-            let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(|r| r.to_array());
-            for (slot, value) in rows.as_flattened().iter().chain(&carrier.translation.to_array()).enumerate() {
-                self.motion[slot][i] = *value;
+        for (i, by) in moves.moves[range].iter().enumerate() {
+            if moves.upright {
+                let (y, w) = (by.rotation.y, by.rotation.w);
+                (self.motion[COS][i], self.motion[SIN][i]) = (w * w - y * y, 2.0 * w * y);
+            } else {
+                let rows = DMat3::from_quat(by.rotation).transpose().to_cols_array();
+                for (column, value) in self.motion.iter_mut().zip(rows) {
+                    column[i] = value;
+                }
+            }
+            for (column, value) in self.motion[SHIFT..].iter_mut().zip(by.translation.to_array()) {
+                column[i] = value;
             }
         }
     }
 
-    /// Brings a track, relative to the carrier, into the world.
-    fn place(&mut self, track: [&[f64]; 3]) {
+    /// Brings a track of the source to where the edit has it.
+    fn place(&mut self, track: [&[f64]; 3], follows: bool) {
         let n = self.frames.len();
-        if self.in_place && n > 0 {
-            let first = self.frames[0] as usize;
-            carry(&self.motion, track.map(|axis| &axis[first..first + n]), &mut self.world);
+        let first = self.frames[0] as usize;
+        let source = if self.in_place {
+            track.map(|axis| &axis[first..first + n])
         } else {
-            for (gathered, axis) in self.gathered.iter_mut().zip(track) {
-                gather(gathered, axis, self.frames);
+            for (to, axis) in self.gathered.iter_mut().zip(track) {
+                for (to, &f) in to.iter_mut().zip(self.frames) {
+                    *to = axis[f as usize];
+                }
             }
-            let gathered = self.gathered.each_ref().map(|axis| &axis[..n]);
-            carry(&self.motion, gathered, &mut self.world);
+            self.gathered.each_ref().map(|axis| &axis[..n])
+        };
+        match (follows, self.upright) {
+            (true, true) => carry_upright(&self.motion, source, &mut self.world),
+            (true, false) => carry(&self.motion, source, &mut self.world),
+            (false, _) => {
+                for (world, axis) in self.world.iter_mut().zip(source) {
+                    world[..n].copy_from_slice(axis);
+                }
+            }
         }
     }
 
-    /// Takes a track that is in the world already.
-    fn copy(&mut self, track: [&[f64]; 3]) {
-        for (world, axis) in self.world.iter_mut().zip(track) {
-            gather(world, axis, self.frames);
-        }
-    }
-
-    /// Takes note of the point's height and returns its sum of third differences, 0 for a point that is no joint.
-    fn look(&mut self, is_joint: bool) -> f64 {
+    fn note_heights(&mut self) {
         for ((low, high), y) in self.low.iter_mut().zip(&mut self.high).zip(&self.world[1]) {
             *low = if *y < *low { *y } else { *low };
             *high = if *y > *high { *y } else { *high };
         }
-        if is_joint { jerk_sum(&self.world, self.frames.len()) } else { 0.0 }
     }
 
     fn heights(&self) -> impl Iterator<Item = f64> + '_ {
@@ -193,27 +234,41 @@ impl<'a> Stretch<'a> {
     }
 }
 
-fn gather(to: &mut [f64; BUFFER], axis: &[f64], frames: &[u32]) {
-    for (to, &f) in to.iter_mut().zip(frames) {
-        *to = axis[f as usize];
-    }
-}
+/// Column of a rotation's cosine when it is about up: row 0, column 0.
+const COS: usize = 0;
+/// Column of its sine: row 0, column 2.
+const SIN: usize = 2;
+/// First column of the translation.
+const SHIFT: usize = 9;
 
-/// Carries a point through the stretch's motions.
-fn carry(motion: &[[f64; BUFFER]; 12], [x, y, z]: [&[f64]; 3], world: &mut [[f64; BUFFER]; 3]) {
+/// Carries a point through the stretch's moves.
+fn carry(motion: &[Column; 12], [x, y, z]: [&[f64]; 3], world: &mut [Column; 3]) {
     let n = x.len();
-    let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+    let (y, z) = (&y[..n], &z[..n]);
     for (axis, world) in world.iter_mut().enumerate() {
         let [a, b, c] = [0, 1, 2].map(|column| &motion[3 * axis + column][..n]);
-        let (t, world) = (&motion[9 + axis][..n], &mut world[..n]);
+        let (t, world) = (&motion[SHIFT + axis][..n], &mut world[..n]);
         for i in 0..n {
             world[i] = a[i] * x[i] + b[i] * y[i] + c[i] * z[i] + t[i];
         }
     }
 }
 
+/// Carries a point through moves that turn about up only.
+fn carry_upright(motion: &[Column; 12], [x, y, z]: [&[f64]; 3], world: &mut [Column; 3]) {
+    let n = x.len();
+    let (y, z) = (&y[..n], &z[..n]);
+    let [cos, sin, dx, dy, dz] = [COS, SIN, SHIFT, SHIFT + 1, SHIFT + 2].map(|column| &motion[column][..n]);
+    let [to_x, to_y, to_z] = world.each_mut().map(|axis| &mut axis[..n]);
+    for i in 0..n {
+        to_x[i] = cos[i] * x[i] + sin[i] * z[i] + dx[i];
+        to_y[i] = y[i] + dy[i];
+        to_z[i] = cos[i] * z[i] - sin[i] * x[i] + dz[i];
+    }
+}
+
 /// Returns the sum of the norms of the third differences of a track of `n` frames.
-fn jerk_sum(world: &[[f64; BUFFER]; 3], n: usize) -> f64 {
+fn jerk_sum(world: &[Column; 3], n: usize) -> f64 {
     let n_jerks = n.saturating_sub(SPAN);
     let whole = n_jerks - n_jerks % LANES;
     let three = f64x4::splat(3.0);
@@ -228,7 +283,7 @@ fn jerk_sum(world: &[[f64; BUFFER]; 3], n: usize) -> f64 {
     }
     let rest: f64 = (whole..n_jerks)
         .map(|at| {
-            let third = |axis: &[f64; BUFFER]| (axis[at + 3] - axis[at]) + 3.0 * (axis[at + 1] - axis[at + 2]);
+            let third = |axis: &Column| (axis[at + 3] - axis[at]) + 3.0 * (axis[at + 1] - axis[at + 2]);
             world.iter().map(|axis| third(axis).powi(2)).sum::<f64>().sqrt()
         })
         .sum();
@@ -308,7 +363,7 @@ mod tests {
     #[test]
     fn the_sweep_is_what_plain_kinematics_says() {
         // Around the length of a stretch, where the pieces are joined.
-        for n in [4, 7, 255, 256, 257, 259, 260, 512, 700] {
+        for n in [4, 7, 255, 256, 257, 259, 260, 509, 512, 700] {
             let clip = clip(n);
             let body = Body::of(&clip, &clip.carrier_track());
             let (jerk, height) = plainly(&clip, &clip.carrier_track(), &(0..n as u32).collect::<Vec<_>>());
@@ -318,10 +373,17 @@ mod tests {
 
             let frames: Vec<u32> = (0..n as u32).chain(0..n as u32 / 2).collect();
             let carriers = elsewhere(frames.len());
-            let sweep = body.sweep(&carriers, &frames);
-            let (jerk, height) = plainly(&clip, &carriers, &frames);
-            assert!((sweep.mean_jerk.expect("four frames") / jerk - 1.0).abs() < 1e-9, "{n} frames");
-            assert!((sweep.height - height).abs() < 1e-12);
+            let turned = carriers.iter().zip(&frames).map(|(c, &f)| {
+                // Turned and shifted only: the way upright moves go.
+                let turn = Rigid::new(DQuat::from_rotation_y(c.translation.x), c.translation);
+                turn * clip.carrier_world(f as usize)
+            });
+            for carriers in [carriers.clone(), turned.collect()] {
+                let sweep = body.sweep(&carriers, &frames);
+                let (jerk, height) = plainly(&clip, &carriers, &frames);
+                assert!((sweep.mean_jerk.expect("four frames") / jerk - 1.0).abs() < 1e-9, "{n} frames");
+                assert!((sweep.height - height).abs() < 1e-12);
+            }
         }
     }
 

@@ -41,7 +41,7 @@ pub enum Headings {
         /// Slopes on the grid.
         slopes_rad: Vec<f64>,
     },
-    /// The thesis's plain tangent (window 0): see [`tangent_directions`].
+    /// The thesis's plain tangent (window 0), taken where it is needed.
     Tangent,
 }
 

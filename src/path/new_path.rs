@@ -54,9 +54,10 @@ impl NewPath {
         self.arc.length()
     }
 
-    /// Returns the arc length up to a parameter in [0, 1].
-    pub fn length_at(&self, parameter: f64) -> f64 {
-        self.arc.length_at(parameter)
+    /// Returns the arc lengths up to parameters in [0, 1].
+    pub fn lengths_at(&self, parameters: &[f64]) -> Vec<f64> {
+        let mut cursor = Cursor::default();
+        parameters.iter().map(|&u| self.arc.length_near(u, &mut cursor)).collect()
     }
 
     /// Returns control points of a path of the same shape with another number of them and another degree.
@@ -109,7 +110,8 @@ impl NewPath {
         if self.headings == Headings::Tangent {
             return self.tangent_frames(parameters);
         }
-        parameters.iter().map(|&u| self.windowed_frame(u, self.arc.length_at(u))).collect()
+        let mut cursor = Cursor::default();
+        parameters.iter().map(|&u| self.windowed_frame(u, self.arc.length_near(u, &mut cursor))).collect()
     }
 
     fn windowed_frame(&self, u: f64, arc_length: f64) -> PathFrame {
@@ -193,7 +195,7 @@ mod tests {
         for window in [0.0, 0.5] {
             let path = path(bend(), window);
             let parameters: Vec<f64> = (0..=20).map(|i| i as f64 / 20.0).collect();
-            let arc_lengths: Vec<f64> = parameters.iter().map(|&u| path.length_at(u)).collect();
+            let arc_lengths = path.lengths_at(&parameters);
             for (a, b) in path.frames_at_parameters(&parameters).iter().zip(path.frames_along(&arc_lengths)) {
                 assert!(a.point.abs_diff_eq(b.point, 1e-9));
                 assert!((a.heading_rad - b.heading_rad).abs() < 1e-6);

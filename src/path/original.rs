@@ -135,7 +135,8 @@ impl OriginalPath {
         let parameters: Vec<f64> = (0..self.frames.len()).map(|f| parameter(f, self.frames.len())).collect();
         match integrator {
             Integrator::Gauss => {
-                let mut lengths: Vec<f64> = parameters.iter().map(|&u| self.arc.length_at(u)).collect();
+                let mut cursor = Cursor::default();
+                let mut lengths: Vec<f64> = parameters.iter().map(|&u| self.arc.length_near(u, &mut cursor)).collect();
                 // Where the path stands still, rounding may step back.
                 for f in 1..lengths.len() {
                     lengths[f] = lengths[f].max(lengths[f - 1]);
@@ -174,7 +175,9 @@ fn path_frames(
         let tangents = (0..n).map(|f| velocity(fit, parameter(f, n)));
         tangent_directions(tangents, SHORTEST_TANGENT * arc.length(), fallback_rad)
     } else {
-        (0..n).map(|f| headings.at(arc.length_at(parameter(f, n))).expect("not the tangent's")).collect()
+        let mut cursor = Cursor::default();
+        let lengths = (0..n).map(|f| arc.length_near(parameter(f, n), &mut cursor));
+        lengths.map(|s| headings.at(s).expect("not the tangent's")).collect()
     };
     points
         .into_iter()

@@ -147,6 +147,8 @@ pub fn shape_points(shape: Shape, original: &OriginalPath, n_points: usize, degr
     let length = shape.size * own_length(original);
     match shape.kind {
         ShapeKind::Line => even_line(start, ahead(original) * length, n),
+        // A clip that goes nowhere has no chord worth the name.
+        ShapeKind::Chord if original.goes_nowhere() => even_line(start, ahead(original) * length, n),
         ShapeKind::Chord => even_line(start, (frames[frames.len() - 1].point - start) * shape.size, n),
         ShapeKind::Original => {
             let spline = fitted_original(original, n, degree);

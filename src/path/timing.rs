@@ -126,14 +126,17 @@ impl Timing {
     /// Uses the whole path, frame by frame of its parameter: speeds change.
     fn by_parameter(path: &NewPath, n: usize, path_length: f64, chords: Option<&Chords>, cycling: Cycling) -> Self {
         let parameters: Vec<f64> = (0..n).map(|f| parameter(f, n)).collect();
-        let length_at = |u: f64| chords.map_or_else(|| path.length_at(u), |c| c.length_at(u));
+        let arc_lengths = match chords {
+            None => path.lengths_at(&parameters),
+            Some(chords) => parameters.iter().map(|&u| chords.length_at(u)).collect(),
+        };
         let warnings = match cycling {
             Cycling::Off => Vec::new(),
             Cycling::Plain => vec!["not cycled: timing.cycling needs timing.arc_length".to_owned()],
         };
         Self {
             source_frames: (0..n as u32).collect(),
-            arc_lengths: parameters.iter().map(|&u| length_at(u)).collect(),
+            arc_lengths,
             frames: path.frames_at_parameters(&parameters),
             seams: Vec::new(),
             path_length,

@@ -112,9 +112,9 @@ impl Palette {
         self.fg([240, 130, 90]).add_modifier(Modifier::BOLD.union(Modifier::UNDERLINED))
     }
 
-    /// The row, tab or item that keys act on.
+    /// The row, tab or item that keys act on. Laid over other styles it makes one bar of them.
     pub fn selected(self) -> Style {
-        Style::new().add_modifier(Modifier::REVERSED)
+        Style::new().fg(Color::Reset).add_modifier(Modifier::REVERSED).remove_modifier(Modifier::DIM)
     }
 
     /// The playhead.

@@ -69,7 +69,8 @@ impl Parts {
         ])
         .areas(area);
         let panel_width = (area.width * 2 / 5).clamp(PANEL_MIN, PANEL_MAX).min(area.width);
-        let [view, gap_and_panel] = Layout::horizontal([Constraint::Fill(1), Constraint::Length(panel_width)]).areas(body);
+        let [view, gap_and_panel] =
+            Layout::horizontal([Constraint::Fill(1), Constraint::Length(panel_width)]).areas(body);
         let panel = Rect {
             x: gap_and_panel.x + 1.min(gap_and_panel.width),
             width: gap_and_panel.width.saturating_sub(1),
@@ -88,7 +89,7 @@ pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surr
     draw_panel(buf, parts.panel, editor, around.palette);
     draw_timeline(buf, parts.timeline, editor, around.palette);
     let cursor = draw_status(buf, parts.status, editor, around.palette);
-    text::put(buf, parts.keys, parts.keys.x, parts.keys.y, FIRST_KEYS, around.palette.dim());
+    text::put(buf, parts.keys, 0, 0, FIRST_KEYS, around.palette.dim());
     if let Some(scroll) = editor.view().help {
         let body = parts.view.union(parts.panel);
         draw_hints(buf, body, &editor.hints(), scroll, around.palette);
@@ -116,7 +117,7 @@ fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, aroun
     match (around.pane_open, around.picture) {
         (true, Some(picture)) => PictureView { picture, palette }.render(area, buf),
         (true, None) => {
-            text::put(buf, area, area.x, area.y, "the first picture is on its way", palette.dim());
+            text::put(buf, area, 0, 0, "the first picture is on its way", palette.dim());
         }
         (false, _) => {
             let clip = &editor.document().solved().clip;
@@ -125,7 +126,7 @@ fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, aroun
                 2 => Direction::Side,
                 _ => Direction::Top,
             };
-            let framed = editor.view().area;
+            let framed = &editor.view().area;
             let half = framed.half_extents;
             let (half_width, half_height) = match direction {
                 Direction::Top => (half.x, half.z),
@@ -175,10 +176,8 @@ fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palett
     let number = |v: f64| text::number(v, 1e-3 * solved.clip.facts.height.value);
     let degree = format!("original degree {}", solved.original.degree());
     let rms_line = format!("RMS x {}  y {}  z {}", number(rms.x), number(rms.y), number(rms.z));
-    text::put(buf, line, line.x, line.y, &degree, palette.dim());
-    if line.height > 1 {
-        text::put(buf, line, line.x, line.y + 1, &rms_line, palette.value());
-    }
+    text::put(buf, line, 0, 0, &degree, palette.dim());
+    text::put(buf, line, 0, 1, &rms_line, palette.value());
     let residuals = solved.residual_series();
     let axes = [0, 1, 2].map(|axis| residuals.iter().map(|r| r[axis]).collect::<Vec<_>>());
     let names = ["x", "y", "z"];
@@ -194,9 +193,10 @@ fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palett
 
 fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
     let solved = editor.document().solved();
+    let rest = solved.clip.rest_frames();
     let timeline = Timeline {
-        n_frames: solved.edited.n_frames(),
-        playhead: editor.view().frame_idx,
+        n_frames: solved.edited.n_frames() + rest,
+        playhead: editor.view().frame_idx + rest,
         frame_time_secs: solved.clip.frame_time_secs,
         marks: &[],
         rows: &[],

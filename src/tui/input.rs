@@ -87,7 +87,8 @@ struct Reader<F> {
 
 impl<F: FnMut(InputEvent) -> bool> Reader<F> {
     fn run(mut self) {
-        let mut size = self.screen.size().unwrap_or_default();
+        // Not the size of now: the first frame may have been drawn before a change that we have yet to be woken for.
+        let mut size = (0, 0);
         let mut may_be_escape = false;
         loop {
             let (keyboard, woken) = match wait(&self.screen, &self.woken, may_be_escape.then_some(ESCAPE_WAIT)) {

@@ -8,7 +8,7 @@ use crate::{
 };
 
 /// The tests that keep golden files, by target name.
-const KEEP_GOLDENS: &[&str] = &["pictures"];
+const KEEP_GOLDENS: &[&str] = &["pictures", "screens"];
 
 /// Runs the tests named, or all that keep golden files, with `WALKABOUT_BLESS=1`, which makes them write.
 pub(crate) fn bless(names: &[String]) -> ExitCode {

@@ -24,7 +24,7 @@ cargo xtask TASK
   run [--yes] [--debug] [ARGS...]   install what is missing, build, and start walkabout with ARGS
   test [--yes]                      install what is missing, then run every check
   bench [NAME...]                   run the benchmarks, all or those named
-  bless [TEST...]                   write the golden files of these tests anew (pictures, where none is named)
+  bless [TEST...]                   write the golden files of these tests anew (all, where none is named)
   setup [--yes]                     install what running and testing need, and nothing else
 
 --yes installs without asking. In CI (the variable CI is set) it is implied, and what stays missing is a failure.

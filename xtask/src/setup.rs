@@ -86,8 +86,8 @@ pub(crate) fn set_up(purpose: Purpose, consent: Consent) -> bool {
         bring_components(&system, &components, consent);
     }
     let left = needs::missing(&look(purpose), purpose);
-    if !left.is_empty() {
-        eprintln!("Still missing, going on without:");
+    if !left.is_empty() && left.len() < missing.len() {
+        eprintln!("Still missing:");
         tell(&left);
     }
     left.is_empty()

@@ -1,0 +1,417 @@
+//! The parameter table: every number, choice and switch of [`Edits`](super::Edits) by the name that panels, `--set` and project
+//! files share.
+//!
+//! Adding a parameter is one row here, one line in the stage that reads it, one test.
+
+use glam::DVec3;
+use toml::Value;
+
+use super::{
+    ProjectionKind,
+    parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, as_vector, vector, word},
+};
+use crate::{
+    motion::{OffsetMeaning, UpAxis},
+    path::{Cycling, Degree, Integrator, ResidualFrame},
+};
+
+/// All parameters: the edits in the order of work, then what is drawn, then the cameras.
+pub static PARAMETERS: Table = Table { groups: [&EDITS, &SHOW, &CAMERAS[0], &CAMERAS[1], &CAMERAS[2], &CAMERAS[3]] };
+
+/// The parameter table.
+pub struct Table {
+    groups: [&'static [Parameter]; 6],
+}
+
+impl Table {
+    /// Returns all rows in order.
+    pub fn iter(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
+        self.groups.into_iter().flatten()
+    }
+}
+
+/// Returns the row of this name.
+///
+/// # Errors
+///
+/// When there is none; the error names a near one.
+pub fn parameter(name: &str) -> Result<&'static Parameter, SetError> {
+    PARAMETERS.iter().find(|p| p.name == name).ok_or_else(|| SetError::Unknown {
+        name: name.to_owned(),
+        near: PARAMETERS
+            .iter()
+            .map(|p| (edit_distance(name, p.name), p.name))
+            .filter(|(distance, _)| *distance <= 3)
+            .min()
+            .map(|(_, near)| near),
+    })
+}
+
+const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain)];
+const FRAMES: &[(&str, ResidualFrame)] =
+    &[("heading", ResidualFrame::Heading), ("tangent", ResidualFrame::Tangent), ("absolute", ResidualFrame::Absolute)];
+const INTEGRATORS: &[(&str, Integrator)] = &[("gauss", Integrator::Gauss), ("euler", Integrator::Euler)];
+const UPS: &[(&str, Option<UpAxis>)] = &[("auto", None), ("y", Some(UpAxis::Y)), ("z", Some(UpAxis::Z))];
+const OFFSETS: &[(&str, Option<OffsetMeaning>)] =
+    &[("auto", None), ("replace", Some(OffsetMeaning::Replace)), ("add", Some(OffsetMeaning::Add))];
+const PROJECTIONS: &[(&str, Option<ProjectionKind>)] = &[
+    ("auto", None),
+    ("perspective", Some(ProjectionKind::Perspective)),
+    ("orthographic", Some(ProjectionKind::Orthographic)),
+];
+
+/// The word for a choice.
+fn word_of<T: PartialEq>(words: &[(&str, T)], choice: &T) -> Value {
+    word(words.iter().find(|(_, c)| c == choice).expect("every choice has a word").0)
+}
+
+/// The choice for a word that [`Kind::admit`] let through.
+fn choice_of<T: Copy>(words: &[(&str, T)], value: &Value) -> T {
+    words.iter().find(|(w, _)| Some(*w) == value.as_str()).expect("the table's words are the choices").1
+}
+
+fn float(value: &Value) -> f64 {
+    value.as_float().expect("admitted as a number")
+}
+
+fn switch(value: &Value) -> bool {
+    value.as_bool().expect("admitted as a switch")
+}
+
+fn count(value: &Value) -> Option<usize> {
+    value.as_integer().map(|n| n as usize)
+}
+
+macro_rules! show_row {
+    ($field:ident, $doc:literal) => {
+        Parameter {
+            name: concat!("show.", stringify!($field)),
+            kind: Kind::Switch,
+            unit: "",
+            doc: $doc,
+            get: |e| Value::Boolean(e.view.show.$field),
+            set: |e, v| e.view.show.$field = switch(v),
+        }
+    };
+}
+
+macro_rules! camera_rows {
+    ($n:literal) => {
+        [
+            Parameter {
+                name: concat!("camera.", $n, ".eye"),
+                kind: Kind::Vector,
+                unit: "clip unit",
+                doc: "Where the camera stands; auto frames the whole motion.",
+                get: |e| optional_vector(e.view.cameras[$n - 1].eye),
+                set: |e, v| e.view.cameras[$n - 1].eye = as_vector(v),
+            },
+            Parameter {
+                name: concat!("camera.", $n, ".target"),
+                kind: Kind::Vector,
+                unit: "clip unit",
+                doc: "What the camera looks at; auto is the middle of the motion.",
+                get: |e| optional_vector(e.view.cameras[$n - 1].target),
+                set: |e, v| e.view.cameras[$n - 1].target = as_vector(v),
+            },
+            Parameter {
+                name: concat!("camera.", $n, ".up"),
+                kind: Kind::Vector,
+                unit: "",
+                doc: "Which way is up in the picture; auto is the clip's up.",
+                get: |e| optional_vector(e.view.cameras[$n - 1].up),
+                set: |e, v| e.view.cameras[$n - 1].up = as_vector(v).filter(|up| *up != DVec3::ZERO),
+            },
+            Parameter {
+                name: concat!("camera.", $n, ".fov"),
+                kind: Kind::Real { min: 5.0, max: 120.0, step: Step::Add(5.0) },
+                unit: "degrees",
+                doc: "Vertical field of view.",
+                get: |e| Value::Float(e.view.cameras[$n - 1].fov),
+                set: |e, v| e.view.cameras[$n - 1].fov = float(v),
+            },
+            Parameter {
+                name: concat!("camera.", $n, ".projection"),
+                kind: Kind::Choice(&["auto", "perspective", "orthographic"]),
+                unit: "",
+                doc: "Perspective, or orthographic along the line of sight.",
+                get: |e| word_of(PROJECTIONS, &e.view.cameras[$n - 1].projection),
+                set: |e, v| e.view.cameras[$n - 1].projection = choice_of(PROJECTIONS, v),
+            },
+            Parameter {
+                name: concat!("camera.", $n, ".follow"),
+                kind: Kind::Switch,
+                unit: "",
+                doc: "The camera moves along with the carrier on the new path.",
+                get: |e| Value::Boolean(e.view.cameras[$n - 1].follow),
+                set: |e, v| e.view.cameras[$n - 1].follow = switch(v),
+            },
+        ]
+    };
+}
+
+const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
+
+const EDITS: [Parameter; 18] = [
+    Parameter {
+        name: "clip.carrier",
+        kind: Kind::Joint,
+        unit: "",
+        doc: "Joint whose position channels carry the walk.",
+        get: |e| word(e.clip.carrier.as_deref().unwrap_or("auto")),
+        set: |e, v| e.clip.carrier = v.as_str().filter(|name| *name != "auto").map(str::to_owned),
+    },
+    Parameter {
+        name: "clip.up",
+        kind: Kind::Choice(&["auto", "y", "z"]),
+        unit: "",
+        doc: "Which axis of the file points up.",
+        get: |e| word_of(UPS, &e.clip.up),
+        set: |e, v| e.clip.up = choice_of(UPS, v),
+    },
+    Parameter {
+        name: "clip.root_offset",
+        kind: Kind::Choice(&["auto", "replace", "add"]),
+        unit: "",
+        doc: "What the root's position channels do to its OFFSET.",
+        get: |e| word_of(OFFSETS, &e.clip.root_offset),
+        set: |e, v| e.clip.root_offset = choice_of(OFFSETS, v),
+    },
+    Parameter {
+        name: "clip.joint_offsets",
+        kind: Kind::Choice(&["auto", "replace", "add"]),
+        unit: "",
+        doc: "What the other joints' position channels do to their OFFSET.",
+        get: |e| word_of(OFFSETS, &e.clip.joint_offsets),
+        set: |e, v| e.clip.joint_offsets = choice_of(OFFSETS, v),
+    },
+    Parameter {
+        name: "clip.rest_frames",
+        kind: Kind::Count { min: 0, max: 1_000_000, step: 1, auto: true },
+        unit: "frames",
+        doc: "Leading frames to leave alone (a T-pose before the motion).",
+        get: |e| e.clip.rest_frames.map_or_else(|| word("auto"), |n| Value::Integer(n as i64)),
+        set: |e, v| e.clip.rest_frames = count(v),
+    },
+    Parameter {
+        name: "original.degree",
+        kind: Kind::Count { min: 1, max: 60, step: 1, auto: true },
+        unit: "",
+        doc: "Degree of the polynomials fitted to the clip; higher follows it more closely.",
+        get: |e| match e.original.degree {
+            Degree::Auto => word("auto"),
+            Degree::Fixed(d) => Value::Integer(d.into()),
+        },
+        set: |e, v| e.original.degree = v.as_integer().map_or(Degree::Auto, |d| Degree::Fixed(d as u32)),
+    },
+    Parameter {
+        name: "residual.frame",
+        kind: Kind::Choice(&["heading", "tangent", "absolute"]),
+        unit: "",
+        doc: "Frame that carries the motion: upright, tilting with the slope, or fixed in the world.",
+        get: |e| word_of(FRAMES, &e.residual.frame),
+        set: |e, v| e.residual.frame = choice_of(FRAMES, v),
+    },
+    Parameter {
+        name: "heading.window",
+        kind: Kind::Real { min: 0.0, max: 3.0, step: Step::Add(0.05) },
+        unit: "body heights",
+        doc: "Half the chord that gives a path its heading; 0 is the plain tangent.",
+        get: |e| Value::Float(e.heading.window),
+        set: |e, v| e.heading.window = float(v),
+    },
+    Parameter {
+        name: "path.edited",
+        kind: Kind::Switch,
+        unit: "",
+        doc: "Walk the new path; off: the clip's own.",
+        get: |e| Value::Boolean(e.path.edited),
+        set: |e, v| e.path.edited = switch(v),
+    },
+    Parameter {
+        name: "path.degree",
+        kind: Kind::Count { min: 1, max: 9, step: 1, auto: false },
+        unit: "",
+        doc: "Degree of the new path's B-spline; 1 is straight pieces.",
+        get: |e| Value::Integer(e.path.degree as i64),
+        set: |e, v| e.path.degree = count(v).expect("admitted as a count"),
+    },
+    Parameter {
+        name: "path.points",
+        kind: Kind::Count { min: 2, max: MAX_POINTS as i64, step: 1, auto: false },
+        unit: "points",
+        doc: "Number of control points; changing it keeps the path's shape.",
+        get: |e| Value::Integer(e.path.points as i64),
+        set: |e, v| e.path.points = count(v).expect("admitted as a count"),
+    },
+    Parameter {
+        name: "path.control_points",
+        kind: Kind::Points,
+        unit: "clip unit",
+        doc: "The control points in the clip's axes; auto is the straight line.",
+        get: |e| match &e.path.control_points {
+            None => word("auto"),
+            Some(points) => Value::Array(points.iter().copied().map(vector).collect()),
+        },
+        set: |e, v| {
+            e.path.control_points = v.as_array().map(|a| a.iter().filter_map(as_vector).collect());
+            if let Some(points) = &e.path.control_points {
+                e.path.points = points.len();
+            }
+        },
+    },
+    Parameter {
+        name: "path.nudge",
+        kind: Kind::Real { min: 0.001, max: 10.0, step: Step::Times(std::f64::consts::SQRT_2) },
+        unit: "body heights",
+        doc: "How far one key press moves a control point.",
+        get: |e| Value::Float(e.path.nudge),
+        set: |e, v| e.path.nudge = float(v),
+    },
+    Parameter {
+        name: "timing.arc_length",
+        kind: Kind::Switch,
+        unit: "",
+        doc: "Keep the walker's speed along the path; off: use the whole path whatever the speed.",
+        get: |e| Value::Boolean(e.timing.arc_length),
+        set: |e, v| e.timing.arc_length = switch(v),
+    },
+    Parameter {
+        name: "timing.integrator",
+        kind: Kind::Choice(&["gauss", "euler"]),
+        unit: "",
+        doc: "How arc length is integrated: exactly, or in the thesis's steps.",
+        get: |e| word_of(INTEGRATORS, &e.timing.integrator),
+        set: |e, v| e.timing.integrator = choice_of(INTEGRATORS, v),
+    },
+    Parameter {
+        name: "timing.step",
+        kind: Kind::Real { min: 1e-6, max: 0.1, step: Step::Times(2.0) },
+        unit: "of the range",
+        doc: "Size of an Euler step, a share of the parameter range.",
+        get: |e| Value::Float(e.timing.step),
+        set: |e, v| e.timing.step = float(v),
+    },
+    Parameter {
+        name: "timing.cycling",
+        kind: Kind::Choice(&["off", "plain"]),
+        unit: "",
+        doc: "On a path longer than the clip: end, or start the clip again where it ended.",
+        get: |e| word_of(CYCLING, &e.timing.cycling),
+        set: |e, v| e.timing.cycling = choice_of(CYCLING, v),
+    },
+    Parameter {
+        name: "timing.speed",
+        kind: Kind::Real { min: 0.05, max: 4.0, step: Step::Times(std::f64::consts::SQRT_2) },
+        unit: "times",
+        doc: "Playback rate; the exported clip keeps its own time.",
+        get: |e| Value::Float(e.timing.speed),
+        set: |e, v| e.timing.speed = float(v),
+    },
+];
+
+const SHOW: [Parameter; 10] = [
+    show_row!(original_skeleton, "Draw the actor as captured."),
+    show_row!(new_skeleton, "Draw the actor on the new path."),
+    show_row!(original_path, "Draw the path fitted to the clip."),
+    show_row!(new_path, "Draw the new path."),
+    show_row!(control_points, "Draw the control points and the polygon through them."),
+    show_row!(original_tracker, "Draw a block that walks the original path."),
+    show_row!(new_tracker, "Draw a block that walks the new path."),
+    show_row!(ground, "Draw the ground and its grid."),
+    show_row!(traces, "Draw the trails of hands, feet and head on the new path."),
+    show_row!(labels, "Draw names in the picture."),
+];
+
+fn optional_vector(v: Option<DVec3>) -> Value {
+    v.map_or_else(|| word("auto"), vector)
+}
+
+/// Number of single-letter changes between two names.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, cb) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(ca != *cb);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Edits, parse_assignment, show_value};
+
+    fn check(text: &str, expected: Result<&str, &str>) {
+        let (name, value) = parse_assignment(text).expect("an assignment");
+        let mut edits = Edits::default();
+        let got = parameter(&name).and_then(|p| {
+            p.set(&mut edits, &value)?;
+            Ok(show_value(&p.get(&edits)))
+        });
+        let got = got.map_err(|e| e.to_string());
+        assert_eq!(got.as_deref().map_err(String::as_str), expected, "{text}");
+    }
+
+    #[test]
+    fn values_are_read_as_people_write_them() {
+        check("original.degree=13", Ok("13"));
+        check("original.degree=auto", Ok("auto"));
+        check("path.nudge = 2", Ok("2"));
+        check("timing.cycling=plain", Ok("plain"));
+        check("timing.cycling=\"plain\"", Ok("plain"));
+        check("path.edited=off", Ok("false"));
+        check("clip.carrier=Hips", Ok("Hips"));
+        check("clip.carrier=mixamorig:Hips", Ok("mixamorig:Hips"));
+        check("camera.2.eye=[1, 2.5, -3]", Ok("[1, 2.5, -3]"));
+        check(
+            "path.control_points=[[0,0,0],[1,0,0],[2,0,0],[3,0,1]]",
+            Ok("[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 1]]"),
+        );
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_in_words() {
+        check("original.degree=61", Err("`original.degree` takes a whole number from 1 to 60 or auto, found `61`"));
+        check("path.degree=2.5", Err("`path.degree` takes a whole number from 1 to 9, found `2.5`"));
+        check("timing.step=nan", Err("`timing.step` takes a number from 0.000001 to 0.1, found `NaN`"));
+        check("path.edited=maybe", Err("`path.edited` takes true or false, found `maybe`"));
+        check("path.pionts=3", Err("there is no parameter `path.pionts`; did you mean `path.points`?"));
+        check("nonsense=3", Err("there is no parameter `nonsense`"));
+    }
+
+    #[test]
+    fn every_row_takes_its_own_default_and_steps_within_its_range() {
+        let names: Vec<_> = PARAMETERS.iter().map(|p| p.name).collect();
+        for p in PARAMETERS.iter() {
+            let mut edits = Edits::default();
+            assert_eq!(names.iter().filter(|n| **n == p.name).count(), 1, "{} stands once", p.name);
+            p.set(&mut edits, &p.default_value()).expect("the default is a value");
+            assert_eq!(edits, Edits::default(), "{}", p.name);
+            assert!(p.doc.ends_with('.'), "{}", p.name);
+            for (n, big) in [(1, false), (-1, false), (1, true), (-1, true), (1000, true), (-1000, true)] {
+                if let Some(value) = p.stepped(&edits, n, big) {
+                    p.set(&mut edits, &value).unwrap_or_else(|e| panic!("{e}"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn steps_do_what_keys_promise() {
+        let edits = Edits::default();
+        let step = |name: &str, n, big| parameter(name).expect("a row").stepped(&edits, n, big).map(|v| show_value(&v));
+        assert_eq!(step("path.points", 1, false).as_deref(), Some("9"));
+        assert_eq!(step("path.points", -1, true).as_deref(), Some("2"));
+        assert_eq!(step("original.degree", 1, false).as_deref(), Some("1"));
+        assert_eq!(step("heading.window", 1, false).as_deref(), Some("0.55"));
+        assert_eq!(step("timing.cycling", -1, false).as_deref(), Some("plain"));
+        assert_eq!(step("show.ground", 1, false).as_deref(), Some("false"));
+        assert_eq!(step("clip.carrier", 1, false), None);
+    }
+}

@@ -1,0 +1,235 @@
+//! The program from the command line, on every captured clip: info, measure, export, render, and what it refuses.
+//!
+//! Captured clips are found through `WALKABOUT_CLIPS`; without it those tests say loudly that they were skipped, and
+//! fail in CI.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+use walkabout::bvh::Bvh;
+
+fn walkabout(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_walkabout"));
+    command.args(args).output().expect("the program starts")
+}
+
+#[track_caller]
+fn done(args: &[&str]) -> String {
+    let output = walkabout(args);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{args:?} ended with {}: {errors}", output.status);
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[track_caller]
+fn refused(args: &[&str], status: i32, words: &str) {
+    let output = walkabout(args);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{args:?}: {errors}");
+    assert!(errors.contains(words), "{args:?} said: {errors}");
+    assert!(!errors.contains("panicked"), "{args:?}: {errors}");
+}
+
+fn json(args: &[&str]) -> Value {
+    serde_json::from_str(&done(args)).expect("JSON")
+}
+
+/// The captured clips, or none with a loud word; in CI they must be there.
+fn real_clips() -> Vec<PathBuf> {
+    let Some(folder) = std::env::var_os("WALKABOUT_CLIPS") else {
+        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS is not set");
+        eprintln!("SKIPPED: WALKABOUT_CLIPS is not set, so no captured clip was tried");
+        return Vec::new();
+    };
+    let files = std::fs::read_dir(Path::new(&folder).join("real")).expect("the folder of captured clips");
+    let mut clips: Vec<_> = files.map(|f| f.expect("a file").path()).collect();
+    clips.retain(|f| f.extension().is_some_and(|e| e == "bvh"));
+    clips.sort();
+    assert!(!clips.is_empty(), "there are captured clips");
+    clips
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+#[test]
+fn info_and_measure_say_what_scripts_expect() {
+    let info_keys = [
+        "file",
+        "frames",
+        "frame_time",
+        "joints",
+        "channels",
+        "carrier",
+        "up",
+        "offsets",
+        "rest_frames",
+        "height",
+        "unit",
+        "path_length",
+        "legs",
+        "plants",
+        "warnings",
+    ];
+    let measure_keys = [
+        "file",
+        "frames",
+        "frame_time",
+        "height",
+        "unit",
+        "path_length",
+        "original_degree",
+        "feet",
+        "residual_rms",
+        "jerk_ratio",
+        "path_error",
+        "seam",
+        "warnings",
+    ];
+    for clip in real_clips() {
+        for (verb, keys) in [("info", &info_keys[..]), ("measure", &measure_keys[..])] {
+            let report = json(&[verb, text(&clip), "--json"]);
+            let found: Vec<_> = report.as_object().expect("an object").keys().collect();
+            assert!(keys.iter().all(|k| report.get(k).is_some()), "{verb} {}: {found:?}", clip.display());
+            assert_eq!(found.len(), keys.len(), "{verb} {}: {found:?}", clip.display());
+            assert!(done(&[verb, text(&clip)]).lines().count() > 5);
+        }
+    }
+}
+
+#[test]
+fn every_clip_that_moves_walks_every_shape() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out.bvh");
+    for clip in real_clips() {
+        let frames = json(&["info", text(&clip), "--json"])["frames"].as_u64().expect("a count") as usize;
+        for shape in ["line", "chord", "original", "circle", "zigzag", "eight:2", "u:0.5", "s"] {
+            let args = ["export", text(&clip), "--shape", shape, "-o", text(&out), "--force"];
+            let output = walkabout(&args);
+            assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+            let bytes = std::fs::read(&out).expect("exported");
+            let bvh = Bvh::parse(bytes, "out.bvh").expect("an export is a clip");
+            assert!(bvh.n_frames() <= frames && bvh.n_frames() > 0, "{} {shape}", clip.display());
+            assert!(bvh.values().iter().all(|v| v.is_finite()), "{} {shape}", clip.display());
+        }
+    }
+}
+
+#[test]
+fn with_the_path_edit_off_the_export_is_the_source() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out.bvh");
+    for clip in real_clips() {
+        done(&["export", text(&clip), "--set", "path.edited=false", "-o", text(&out), "--force"]);
+        let same = std::fs::read(&out).expect("exported") == std::fs::read(&clip).expect("the source");
+        assert!(same, "{}", clip.display());
+    }
+}
+
+#[test]
+fn residuals_fall_with_the_degree_as_in_the_thesis() {
+    let Some(clip) = real_clips().into_iter().find(|c| c.ends_with("figure8_walk.bvh")) else { return };
+    let rms = |degree: u32| {
+        let report = json(&["measure", text(&clip), "--json", "--set", &format!("original.degree={degree}")]);
+        assert_eq!(report["original_degree"], degree);
+        ["x", "y", "z"].map(|axis| report["residual_rms"][axis].as_f64().expect("a number"))
+    };
+    let falling = [2, 4, 13, 45].map(rms);
+    for pair in falling.windows(2) {
+        assert!(pair[1].iter().zip(&pair[0]).all(|(next, last)| *next <= last * (1.0 + 1e-9)), "{falling:?}");
+        assert!(pair[1][0] < pair[0][0] && pair[1][2] < pair[0][2], "{falling:?}");
+    }
+}
+
+#[test]
+fn given_control_points_are_final_whatever_the_order() {
+    let points = "path.control_points=[[0,0,0],[0,0,100],[50,0,200],[0,0,300],[0,0,400]]";
+    let expected = json(&["measure", "--json", "--set", points])["path_length"]["edited"].clone();
+    for order in [["path.degree=3", points, "path.points=20"], [points, "path.points=20", "path.degree=3"]] {
+        let sets: Vec<&str> = order.iter().flat_map(|s| ["--set", s]).collect();
+        let args = [&["measure", "--json", "--shape", "circle"], &sets[..]].concat();
+        assert_eq!(json(&args)["path_length"]["edited"], expected, "{order:?}");
+    }
+}
+
+#[test]
+fn a_shape_is_as_long_as_it_says() {
+    let original = json(&["measure", "--json"])["path_length"]["source"].as_f64().expect("a length");
+    for (shape, size) in [("circle", 1.0), ("eight:2", 2.0), ("zigzag:0.5", 0.5), ("line:3", 3.0)] {
+        let edited =
+            json(&["measure", "--json", "--shape", shape])["path_length"]["edited"].as_f64().expect("a length");
+        assert!((edited / original / size - 1.0).abs() < 1e-9, "{shape}: {edited} against {original}");
+    }
+}
+
+#[test]
+fn projects_open_as_clips_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = folder.path().join("walk.toml");
+    let (from_shape, from_project) = (folder.path().join("a.bvh"), folder.path().join("b.bvh"));
+    done(&["export", "-o", text(&from_shape), "--set", "timing.cycling=plain", "--set", "path.degree=2"]);
+    std::fs::write(&project, "format = 1\n\n[path]\ndegree = 2\n\n[timing]\ncycling = \"plain\"\n").expect("written");
+    done(&["export", text(&project), "-o", text(&from_project)]);
+    assert_eq!(std::fs::read(&from_shape).expect("a"), std::fs::read(&from_project).expect("b"));
+}
+
+#[test]
+fn wrong_words_and_bad_files_are_refused_with_their_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bad = folder.path().join("bad.bvh");
+    std::fs::write(&bad, "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 zero 0\n").expect("written");
+    let project = folder.path().join("bad.toml");
+    std::fs::write(&project, "format = 1\n[path]\nshape = 3\n").expect("written");
+    let kept = folder.path().join("kept.bvh");
+    std::fs::write(&kept, "mine").expect("written");
+
+    refused(&["info", text(&bad)], 1, "bad.bvh:4:12");
+    refused(&["info", text(&project)], 1, "bad.toml:3:1");
+    refused(&["info", "no such file.bvh"], 1, "no such file.bvh");
+    refused(&["export", "-o", text(&kept)], 1, "--force");
+    assert_eq!(std::fs::read(&kept).expect("kept"), b"mine");
+    refused(&["export", "-o", "/no/such/folder/out.bvh"], 1, "cannot be written");
+    refused(&["info", "--set", "path.degree"], 2, "NAME=VALUE");
+    refused(&["info", "--set", "path.degree=99"], 2, "from 1 to 9");
+    refused(&["info", "--set", "path.degre=3"], 2, "did you mean `path.degree`");
+    refused(&["info", "--shape", "heart"], 2, "heart");
+    refused(&["export"], 2, "--output");
+    refused(&["render", "-o", "x.png", "--camera", "5"], 2, "5");
+    refused(&["render", "-o", "x.png", "--frame", "999999"], 2, "--frame");
+    refused(&["dance", "--now"], 2, "--now");
+    refused(&["--set", "a=b"], 2, "there is no parameter");
+}
+
+#[test]
+fn the_tables_are_printed() {
+    assert!(done(&["params"]).contains("| `path.degree` |"));
+    assert!(done(&["keys"]).contains("`sc`"));
+    assert!(done(&["doctor"]).contains("colours"));
+}
+
+#[test]
+fn one_frame_renders_the_same_twice() {
+    let has_driver = done(&["doctor"]).contains("vulkan device");
+    if !has_driver {
+        assert!(std::env::var_os("CI").is_none(), "there is no Vulkan driver");
+        eprintln!("SKIPPED: there is no Vulkan driver, so nothing was rendered");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = |name: &str, args: &[&str]| {
+        let out = folder.path().join(name);
+        done(&[&["render", "-o", text(&out), "--size", "320x180"], args].concat());
+        std::fs::read(out).expect("rendered")
+    };
+    let first = picture("a.png", &["--frame", "100"]);
+    assert_eq!(first, picture("b.png", &["--frame", "100"]));
+    assert_ne!(first, picture("c.png", &["--frame", "200"]));
+    assert_ne!(first, picture("d.png", &["--frame", "100", "--camera", "4"]));
+    for (idx, clip) in real_clips().iter().enumerate() {
+        picture(&format!("{idx}.png"), &[text(clip), "--shape", "circle"]);
+    }
+}

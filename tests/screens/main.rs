@@ -1,0 +1,200 @@
+//! Whole screens without a terminal: every size draws, the start screen and the pages made from tables are as committed.
+//!
+//! `WALKABOUT_BLESS=1` writes `start.txt` beside this file and what stands in `docs` anew, to be looked at and committed.
+
+mod svg;
+
+use std::{env, fs, path::Path, process::Command};
+
+use ratatui::{Terminal, backend::TestBackend, buffer::Buffer, layout::Position};
+use walkabout::{
+    document::{self, Document},
+    editor::{Editor, Message, TABS},
+    scene::Picture,
+    tui::{self, Depth, Palette, Surroundings},
+};
+
+const AROUND: Surroundings<'_> = Surroundings {
+    palette: Palette::new(Depth::True),
+    window_line: "window closed; w opens it",
+    picture: None,
+    pane_open: false,
+};
+
+/// Sizes that people have, and some that nobody should have.
+const SIZES: [(u16, u16); 12] =
+    [(80, 24), (120, 40), (200, 60), (120, 36), (36, 8), (10, 3), (37, 5), (300, 2), (3, 100), (1, 1), (2, 7), (0, 0)];
+
+fn start() -> Editor {
+    let opened = document::open(None).expect("the built-in clip opens");
+    Editor::new(Document::new(opened), Vec::new())
+}
+
+fn after(keys: &str) -> Editor {
+    let mut editor = start();
+    editor.keys(keys);
+    editor
+}
+
+/// Draws a screen; returns it with the place of the cursor, if it is shown, and the size of picture that is wanted.
+fn drawn(editor: &Editor, around: &Surroundings<'_>, (width, height): (u16, u16)) -> (Buffer, Position, (u32, u32)) {
+    let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("no terminal to fail");
+    let scene = editor.scene();
+    let mut pixels = (0, 0);
+    terminal.draw(|frame| pixels = tui::draw(frame, editor, &scene, around)).expect("no terminal to fail");
+    let cursor = terminal.get_cursor_position().expect("no terminal to fail");
+    (terminal.backend().buffer().clone(), cursor, pixels)
+}
+
+fn lines(buf: &Buffer) -> Vec<String> {
+    let rows = buf.content.chunks(usize::from(buf.area.width).max(1));
+    rows.map(|row| row.iter().map(|cell| cell.symbol()).collect::<String>().trim_end().to_owned()).collect()
+}
+
+fn screen(keys: &str, size: (u16, u16)) -> Vec<String> {
+    lines(&drawn(&after(keys), &AROUND, size).0)
+}
+
+/// Compares a text with a committed file, or writes the file.
+#[track_caller]
+fn check_file(file: &str, text: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    if env::var_os("WALKABOUT_BLESS").is_some() {
+        fs::create_dir_all(path.parent().expect("a file in a folder")).expect("a folder to write to");
+        fs::write(&path, text).expect("written");
+        return;
+    }
+    let committed = fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        committed == text,
+        "{file} is out of date; `cargo xtask bless screens` writes it anew. It would be:\n{text}"
+    );
+}
+
+#[test]
+fn every_screen_draws_in_every_size() {
+    let start = start();
+    let keys = [
+        "?",
+        "?jjj<pagedown>",
+        ":",
+        ":path.degree=x<enter>",
+        "c",
+        "scq",
+        "S",
+        "s",
+        "a",
+        "v",
+        "s!",
+        "<space>",
+        "2",
+        "3",
+        "4",
+    ];
+    let mut editors: Vec<_> = keys
+        .into_iter()
+        .map(String::from)
+        .chain((0..TABS.len()).map(|i| "<tab>".repeat(i)))
+        .map(|keys| {
+            let mut editor = start.clone();
+            editor.keys(&keys);
+            editor
+        })
+        .collect();
+    let mut long = start.clone();
+    long.say(Message::error("a line that is too long for any screen ".repeat(20)));
+    editors.push(long);
+    let picture = Picture { width: 64, height: 48, rgb: (0..64 * 48 * 3).map(|i| (i % 251) as u8).collect() };
+    for depth in [Depth::Monochrome, Depth::Sixteen, Depth::True] {
+        let palette = Palette::new(depth);
+        let with_pane = Surroundings { palette, pane_open: true, picture: Some(&picture), ..AROUND };
+        for around in [Surroundings { palette, ..AROUND }, Surroundings { picture: None, ..with_pane }, with_pane] {
+            for size in SIZES {
+                for editor in &editors {
+                    let (buf, cursor, _) = drawn(editor, &around, size);
+                    assert!(cursor.x < size.0.max(1) && cursor.y < size.1.max(1), "{cursor:?} at {size:?}");
+                    assert_eq!((buf.area.width, buf.area.height), size);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn everything_stands_in_its_place() {
+    let start = screen("", (80, 24));
+    assert!(
+        start[0].starts_with("walkabout · built-in walk ") && start[0].ends_with(AROUND.window_line),
+        "{}",
+        start[0]
+    );
+    assert!(start[1].contains(" [path] original  timing  clip ") && start[1].ends_with("›"), "{}", start[1]);
+    assert_eq!(start[20], "frame 0 of 569   0.00 s of 9.48 s");
+    assert_eq!(start[21], format!("┃{}", "─".repeat(79)));
+    assert!(start[22].ends_with("  point 1  camera 1  frame 0/570  ‖ paused"), "{}", start[22]);
+    assert!(start[23].starts_with("? keys  space play  tab panel "), "{}", start[23]);
+    assert!(screen("x", (80, 24))[0].starts_with("walkabout · built-in walk · unsaved "));
+}
+
+#[test]
+fn one_row_is_marked_as_selected() {
+    for (keys, row) in [("", "path.edited"), ("jj", "path.points"), ("<tab>", "original.degree"), ("nn", "◆ point 3")]
+    {
+        let screen = screen(keys, (80, 24));
+        let marked: Vec<_> = screen.iter().filter_map(|line| line.split_once("▸ ")).collect();
+        assert!(matches!(marked[..], [(_, name)] if name.starts_with(row)), "after {keys}: {marked:?}");
+    }
+}
+
+#[test]
+fn each_state_says_what_it_is() {
+    for (keys, text) in [
+        ("?", "Play or pause."),
+        ("s", "A figure eight."),
+        ("s!", "s! does nothing here; ? shows the keys"),
+        ("c", "point 1 x y z: "),
+        ("xq", "quit without saving the project? (y/n)"),
+        ("<space>", "▶ playing"),
+        ("<s-tab>", "path error"),
+        ("<s-tab><s-tab>", "RMS x "),
+        ("<s-tab><s-tab>", "original degree "),
+        ("<s-tab><s-tab><s-tab>", "[camera]"),
+        ("2", "camera 2"),
+    ] {
+        let with = |keys| screen(keys, (120, 40)).join("\n");
+        assert!(with(keys).contains(text) && !with("").contains(text), "after {keys}:\n{}", with(keys));
+    }
+    let waiting = Surroundings { pane_open: true, ..AROUND };
+    assert_eq!(lines(&drawn(&start(), &waiting, (80, 24)).0)[1].find("the first picture is on its way"), Some(0));
+}
+
+#[test]
+fn a_line_being_typed_has_the_cursor_and_the_picture_is_wanted_in_the_size_of_its_place() {
+    let (buf, cursor, pixels) = drawn(&after(":ab"), &AROUND, (120, 40));
+    assert_eq!(lines(&buf)[38], "set NAME=VALUE: ab");
+    assert_eq!(cursor, Position::new(18, 38));
+    assert_eq!(pixels, (72, 70));
+}
+
+#[test]
+fn the_start_screen_is_as_committed() {
+    check_file("tests/screens/start.txt", &(screen("", (120, 40)).join("\n") + "\n"));
+}
+
+#[test]
+fn the_picture_of_the_terminal_is_as_committed() {
+    let mut editor = after("sc<space>");
+    editor.advance(4.0);
+    check_file("docs/terminal.svg", &svg::picture(&drawn(&editor, &AROUND, (120, 36)).0));
+}
+
+#[test]
+fn the_tables_in_the_documentation_are_those_of_the_program() {
+    for (verb, title) in [("keys", "Keys"), ("params", "Parameters")] {
+        let output = Command::new(env!("CARGO_BIN_EXE_walkabout")).arg(verb).output().expect("the program starts");
+        assert!(output.status.success(), "{output:?}");
+        let table = String::from_utf8(output.stdout).expect("UTF-8");
+        assert!(table.lines().count() > 40, "{table}");
+        check_file(&format!("docs/{verb}.md"), &format!("# {title}\n\n{table}"));
+    }
+}

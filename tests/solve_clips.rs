@@ -1,0 +1,118 @@
+//! The solve on captured clips, found through `WALKABOUT_CLIPS`.
+
+use std::{fs, path::PathBuf, sync::Arc};
+
+use walkabout::{
+    bvh::Bvh,
+    document::{Edits, Solved, Source, solve},
+    path::{Degree, Shape, ShapeKind, shape_points},
+};
+
+/// Folder of the captured clips; none, loudly, where there is none.
+fn clips(test: &str) -> Option<PathBuf> {
+    match std::env::var_os("WALKABOUT_CLIPS") {
+        Some(folder) => Some(PathBuf::from(folder).join("real")),
+        None if std::env::var_os("CI").is_some() => panic!("{test} needs WALKABOUT_CLIPS"),
+        None => {
+            eprintln!("SKIPPED: {test} needs WALKABOUT_CLIPS");
+            None
+        }
+    }
+}
+
+fn load(file: &std::path::Path) -> Arc<Source> {
+    let name = file.display().to_string();
+    let bvh = Bvh::parse(fs::read(file).expect("a readable clip"), &name).expect("a valid clip");
+    Arc::new(Source { name, file: Some(file.to_owned()), bvh })
+}
+
+fn with(source: &Arc<Source>, previous: Option<&Solved>, change: impl FnOnce(&mut Edits)) -> Solved {
+    let mut edits = Edits::default();
+    change(&mut edits);
+    solve(source, &Arc::new(edits), previous)
+}
+
+#[test]
+fn residuals_of_the_figure_eight_fall_with_the_degree() {
+    let Some(folder) = clips("residuals_of_the_figure_eight_fall_with_the_degree") else { return };
+    let source = load(&folder.join("figure8_walk.bvh"));
+    let mut before = [f64::INFINITY; 3];
+    let mut before_norm = f64::INFINITY;
+    for degree in [2, 4, 13, 45] {
+        let solved = with(&source, None, |e| e.original.degree = Degree::Fixed(degree));
+        assert_eq!(solved.original.degree(), degree as usize);
+        let rms = solved.residual_rms();
+        println!("degree {degree}: {rms:.4} RMS, the clip's unit; H {:.4}", solved.original.height());
+        for (now, before) in rms.to_array().into_iter().zip(&mut before) {
+            assert!(now <= *before, "degree {degree}: {now} after {before}");
+            *before = now;
+        }
+        assert!(rms.length() < before_norm);
+        before_norm = rms.length();
+    }
+}
+
+#[test]
+fn every_clip_walks_every_shape() {
+    let Some(folder) = clips("every_clip_walks_every_shape") else { return };
+    let mut files: Vec<PathBuf> =
+        fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+    files.retain(|file| file.extension().is_some_and(|e| e == "bvh"));
+    files.sort();
+    assert!(!files.is_empty());
+    for file in files {
+        let source = load(&file);
+        let start = with(&source, None, |_| {});
+        let height = start.clip.facts.height.value;
+        for (kind, name) in ShapeKind::ALL {
+            let points = shape_points(Shape { kind, size: 1.0 }, &start.original, 8, 3);
+            let up = start.clip.facts.up.value;
+            let solved = with(&source, Some(&start), |e| {
+                e.path.control_points = Some(points.into_iter().map(|p| up.to_file(p)).collect());
+            });
+            let n = solved.edited.n_frames();
+            let place = format!("{} {name}", file.display());
+            assert!(
+                (0..n).all(|f| solved.carrier(f).translation.is_finite() && solved.carrier(f).rotation.is_finite())
+            );
+            if solved.walks_new_path() {
+                let measures = &solved.measures;
+                assert!(measures.path_error.expect("edited") < 1e-9, "{place}");
+                let whole = !matches!(kind, ShapeKind::Chord) && !solved.original.goes_nowhere();
+                if whole {
+                    let height = measures.height.edited / measures.height.source;
+                    assert!((height - 1.0).abs() < 1e-9, "{place}: {height}");
+                    assert_eq!(n, solved.clip.n_frames(), "{place}: as long as the original path");
+                    let length = solved.new_path.length() / solved.original.length();
+                    assert!((length - 1.0).abs() < 1e-9, "{place}: {length}");
+                }
+                let jerk = measures.jerk_ratio.unwrap_or(1.0);
+                println!("{place}: {n} frames, jerk ratio {jerk:.3}, degree {}", solved.original.degree());
+                // A handful of frames moved evenly has hardly any jerk of its own to compare with.
+                assert!(jerk < 2.0 || n < 30, "{place}: jerk ratio {jerk}");
+            } else {
+                assert_eq!(n, solved.clip.n_frames(), "{place}");
+            }
+            assert!((solved.measures.height.source / height - 1.0).abs() < 1e-9, "{place}");
+        }
+    }
+}
+
+/// Standing at both ends, the plain tangent is noise there; the windowed chord is not.
+#[test]
+fn a_window_calms_a_walk_that_starts_and_stops() {
+    let Some(folder) = clips("a_window_calms_a_walk_that_starts_and_stops") else { return };
+    let source = load(&folder.join("cmu_131_01_start_walk_stop.bvh"));
+    let jerk = |window: f64, degree: u32| {
+        let change = |e: &mut Edits| {
+            e.original.degree = Degree::Fixed(degree);
+            e.heading.window = window;
+        };
+        with(&source, None, change).measures.jerk_ratio.expect("a walk")
+    };
+    for degree in [5, 13] {
+        let (plain, windowed) = (jerk(0.0, degree), jerk(0.5, degree));
+        println!("degree {degree}: jerk ratio {plain:.3} with the tangent, {windowed:.3} with half a body height");
+        assert!(windowed < 1.1 && windowed < plain);
+    }
+}
