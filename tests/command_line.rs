@@ -102,6 +102,25 @@ fn info_and_measure_say_what_scripts_expect() {
 }
 
 #[test]
+fn plants_and_feet_are_told_with_the_source_beside_the_edited_clip() {
+    let info = json(&["info", "--json"]);
+    assert_eq!(info["legs"].as_array().map(Vec::len), Some(2));
+    assert_eq!(info["legs"][0]["side"], "left");
+    assert_eq!(["left", "right"].map(|side| info["plants"][side].as_array().map(Vec::len)), [Some(7); 2]);
+    let speeds = |args: &[&str]| {
+        let report = json(&[&["measure", "--json"], args].concat());
+        let of = |foot: usize, which: &str| report["feet"][foot]["planted_speed"][which].as_f64().expect("a speed");
+        [0, 1].map(|foot| (of(foot, "source"), of(foot, "edited")))
+    };
+    for (source, edited) in speeds(&["--set", "path.edited=false"]) {
+        assert!((edited - source).abs() < 1e-9, "{source} {edited}");
+    }
+    for (source, edited) in speeds(&["--shape", "circle"]) {
+        assert!(edited > 1.5 * source, "carried rigidly, feet slide: {source} {edited}");
+    }
+}
+
+#[test]
 fn every_clip_that_moves_walks_every_shape() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out.bvh");

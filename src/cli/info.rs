@@ -5,7 +5,10 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{Failure, args::Clip};
-use crate::document::{Document, Solved};
+use crate::{
+    document::{Document, Solved},
+    motion::{Leg, Side, legs::point_name},
+};
 
 pub(super) fn run(clip: &Clip, as_json: bool) -> Result<(), Failure> {
     let document = super::open_loudly(clip)?;
@@ -37,10 +40,37 @@ fn report(clip: &Clip, document: &Document) -> serde_json::Value {
         "height": facts.height.value,
         "unit": facts.unit.value,
         "path_length": solved.original.length(),
-        "legs": null,
-        "plants": null,
+        "legs": legs(solved),
+        "plants": plants(solved),
         "warnings": solved.warnings,
     })
+}
+
+fn legs(solved: &Solved) -> Vec<serde_json::Value> {
+    let skeleton = &solved.clip.skeleton;
+    let name = |id| &skeleton.joint(id).name;
+    let leg = |leg: &Leg| {
+        json!({
+            "side": leg.side,
+            "hip": name(leg.hip),
+            "knee": name(leg.knee),
+            "ankle": name(leg.ankle),
+            "toe": point_name(skeleton, leg.toe),
+        })
+    };
+    solved.feet.legs.value.iter().map(leg).collect()
+}
+
+/// Plants by side, as frames of the file, last inclusive.
+fn plants(solved: &Solved) -> serde_json::Value {
+    let mut sides = json!({ "left": [], "right": [] });
+    for foot in &solved.feet.plants {
+        let side = if foot.leg.side == Side::Left { "left" } else { "right" };
+        let frames =
+            foot.plants.iter().map(|p| json!([solved.clip.file_frame(p.first), solved.clip.file_frame(p.last)]));
+        sides[side].as_array_mut().expect("made above").extend(frames);
+    }
+    sides
 }
 
 fn text(solved: &Solved) -> String {
@@ -62,6 +92,14 @@ fn text(solved: &Solved) -> String {
     line("rest frames", facts.rest_frames.value.to_string(), &facts.rest_frames.why);
     line("height", format!("{:.4}", facts.height.value), &facts.height.why);
     line("unit", facts.unit.value.unwrap_or("unknown").to_owned(), &facts.unit.why);
+    let found = &solved.feet.legs;
+    let feet: Vec<_> = found.value.iter().map(|leg| clip.skeleton.joint(leg.ankle).name.as_str()).collect();
+    line("legs", if feet.is_empty() { "none".to_owned() } else { format!("to {}", feet.join(", ")) }, &found.why);
+    for foot in &solved.feet.plants {
+        let frames = foot.plants.iter().map(|p| format!("{}–{}", clip.file_frame(p.first), clip.file_frame(p.last)));
+        let frames: Vec<_> = frames.collect();
+        line(&format!("{:?} plants", foot.leg.side), format!("{}: {}", frames.len(), frames.join(" ")), "");
+    }
     let in_heights = solved.original.length() / facts.height.value;
     line("path length", format!("{:.4}, {in_heights:.2} body heights", solved.original.length()), "");
     line("path degree", solved.original.degree().to_string(), "");

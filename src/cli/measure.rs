@@ -5,7 +5,11 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{Failure, args::Clip, info::shown_file};
-use crate::document::{Document, Solved};
+use crate::{
+    contact::FootPlants,
+    document::{Document, Solved},
+    measure::{FootNumbers, Pair},
+};
 
 pub(super) fn run(clip: &Clip, as_json: bool) -> Result<(), Failure> {
     let document = super::open_loudly(clip)?;
@@ -36,13 +40,28 @@ fn report(clip: &Clip, document: &Document) -> serde_json::Value {
         "unit": solved.clip.facts.unit.value,
         "path_length": { "source": measures.path_length.source, "edited": measures.path_length.edited },
         "original_degree": solved.original.degree(),
-        "feet": null,
+        "feet": feet(solved),
         "residual_rms": { "x": rms.x, "y": rms.y, "z": rms.z },
         "jerk_ratio": measures.jerk_ratio,
         "path_error": measures.path_error,
         "seam": seam,
         "warnings": solved.warnings,
     })
+}
+
+fn feet(solved: &Solved) -> Vec<serde_json::Value> {
+    let pair = |pair: Option<Pair>| pair.map(|p| json!({ "source": p.source, "edited": p.edited }));
+    let feet = solved.feet.plants.iter().zip(solved.foot_numbers.iter());
+    let foot = |(foot, numbers): (&FootPlants, &FootNumbers)| {
+        json!({
+            "joint": solved.clip.skeleton.joint(foot.leg.ankle).name,
+            "plants": numbers.plants,
+            "planted_speed": pair(numbers.planted_speed),
+            "slip_p90": pair(numbers.slip_p90),
+            "clearance": pair(numbers.clearance),
+        })
+    };
+    feet.map(foot).collect()
 }
 
 fn text(solved: &Solved) -> String {
@@ -61,6 +80,19 @@ fn text(solved: &Solved) -> String {
     line("residual RMS", format!("{:.5} {:.5} {:.5}", rms.x, rms.y, rms.z), "H, along the clip's x y z");
     line("jerk ratio", number(measures.jerk_ratio), "edited over source");
     line("path error", number(measures.path_error), "H");
+    for (foot, numbers) in solved.feet.plants.iter().zip(solved.foot_numbers.iter()) {
+        let joint = &solved.clip.skeleton.joint(foot.leg.ankle).name;
+        line(joint, format!("{} plants", numbers.plants), "of those the edited clip shows");
+        let rows = [
+            ("planted speed", numbers.planted_speed, "H/s"),
+            ("slip p90", numbers.slip_p90, "H"),
+            ("swing clearance", numbers.clearance, "H"),
+        ];
+        for (name, numbers, unit) in rows {
+            let value = numbers.map_or_else(|| "–".to_owned(), |p| format!("{:.5} → {:.5}", p.source, p.edited));
+            line(&format!("  {name}"), value, unit);
+        }
+    }
     for s in &measures.seam {
         line(
             &format!("seam at {}", s.frame + solved.clip.rest_frames()),

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::{
+    contact::Thresholds,
     motion::ClipOptions,
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
@@ -24,6 +25,8 @@ pub struct Edits {
     pub path: PathEdits,
     /// Speed along the new path.
     pub timing: TimingEdits,
+    /// How foot plants are found.
+    pub plants: PlantsEdits,
     /// What is drawn and from where; saved with a project, outside undo.
     pub view: ViewEdits,
 }
@@ -78,6 +81,9 @@ impl Default for PathEdits {
         Self { edited: true, degree: 3, points: 8, control_points: None, nudge: 0.1 }
     }
 }
+
+/// `plants.*`: detection.
+pub type PlantsEdits = Thresholds;
 
 /// `timing.*`.
 #[derive(Clone, Copy, Debug, PartialEq)]

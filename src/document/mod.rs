@@ -5,6 +5,7 @@
 
 mod change;
 mod edits;
+mod feet;
 mod files;
 mod history;
 mod parameter;
@@ -19,9 +20,10 @@ use std::{path::Path, path::PathBuf, sync::Arc};
 pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
-    CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, ProjectionKind, ResidualEdits, Show,
-    TimingEdits, ViewEdits,
+    CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, PlantsEdits, ProjectionKind, ResidualEdits,
+    Show, TimingEdits, ViewEdits,
 };
+pub use feet::Feet;
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use history::History;
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};

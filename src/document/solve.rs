@@ -4,7 +4,8 @@
 //! clip ─┬─▶ original path ─┬─▶ residuals ──────────────┐
 //!       │                  ├─▶ progress ─▶ timing ─▶ edited clip ─▶ measures
 //!       │                  └─▶ new path ─▶ ┘           │
-//!       └─▶ body ──────────────────────────────────────┘
+//!       ├─▶ body ──────────────────────────────────────┤
+//!       └─▶ feet ──────────────────────────────────────┘
 //! ```
 //!
 //! A stage whose input equals its previous input hands its previous output on, so equality of inputs is all there is
@@ -15,7 +16,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Edits, Solved, Source};
+use super::{Edits, Feet, Solved, Source};
 use crate::{
     curve::BSpline,
     math::Rigid,
@@ -39,6 +40,9 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         Some(p) => (Arc::clone(&p.clip), Arc::clone(&p.carrier_track), Arc::clone(&p.body)),
         None => read(source, edits),
     };
+
+    let same_feet = before.filter(|p| p.edits.plants == edits.plants);
+    let feet = reuse(same_feet, |p| &p.feet, || Feet::of(&clip, &edits.clip, &body, edits.plants));
 
     let before = before.filter(|p| p.edits.original == edits.original && p.edits.heading == edits.heading);
     let height = clip.facts.height.value;
@@ -105,8 +109,12 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         },
     );
 
+    let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
+    let foot_numbers = reuse(same_steps, |p| &p.foot_numbers, || feet.numbers(&clip, &body, &edited));
+
     let mut warnings: Vec<_> = source.bvh.warnings().iter().map(ToString::to_string).collect();
     warnings.extend(clip.warnings.iter().cloned());
+    warnings.extend(feet.warnings.iter().cloned());
     warnings.extend(original_warnings(&original));
     warnings.extend(plan.warnings);
     warnings.extend(timing.warnings.iter().cloned());
@@ -123,6 +131,8 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         timing,
         edited,
         measures,
+        feet,
+        foot_numbers,
         warnings,
     }
 }

@@ -4,11 +4,11 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::Edits;
+use super::{Edits, Feet};
 use crate::{
     bvh::Bvh,
     math::Rigid,
-    measure::{Body, Measures},
+    measure::{Body, FootNumbers, Measures},
     motion::{Clip, EditedClip, to_bvh},
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
@@ -53,6 +53,10 @@ pub struct Solved {
     pub edited: Arc<EditedClip>,
     /// Quality numbers.
     pub measures: Arc<Measures>,
+    /// Legs and foot plants of the source.
+    pub feet: Arc<Feet>,
+    /// Quality numbers of each foot, in the order of the legs.
+    pub foot_numbers: Arc<Vec<FootNumbers>>,
     /// What could not be done as wished, one line each; also the clip's own warnings.
     pub warnings: Vec<String>,
 }

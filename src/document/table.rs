@@ -152,7 +152,7 @@ macro_rules! camera_rows {
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
 
-const EDITS: [Parameter; 18] = [
+const EDITS: [Parameter; 21] = [
     Parameter {
         name: "clip.carrier",
         kind: Kind::Joint,
@@ -307,6 +307,30 @@ const EDITS: [Parameter; 18] = [
         doc: "Playback rate; the exported clip keeps its own time.",
         get: |e| Value::Float(e.timing.speed),
         set: |e, v| e.timing.speed = float(v),
+    },
+    Parameter {
+        name: "plants.speed",
+        kind: Kind::Real { min: 0.0, max: 3.0, step: Step::Add(0.01) },
+        unit: "body heights a second",
+        doc: "Slower than this, and low, a foot stands.",
+        get: |e| Value::Float(e.plants.speed),
+        set: |e, v| e.plants.speed = float(v),
+    },
+    Parameter {
+        name: "plants.speed_share",
+        kind: Kind::Real { min: 0.0, max: 1.0, step: Step::Add(0.01) },
+        unit: "of the carrier's speed",
+        doc: "The same as a share of the carrier's speed, whichever is more.",
+        get: |e| Value::Float(e.plants.speed_share),
+        set: |e, v| e.plants.speed_share = float(v),
+    },
+    Parameter {
+        name: "plants.height",
+        kind: Kind::Real { min: 0.0, max: 0.5, step: Step::Add(0.01) },
+        unit: "body heights",
+        doc: "Lower than this above its floor, and slow, a foot stands.",
+        get: |e| Value::Float(e.plants.height),
+        set: |e, v| e.plants.height = float(v),
     },
 ];
 

@@ -1,7 +1,10 @@
 //! The panel: tabs of rows, read from the parameter table.
 
 use super::Editor;
-use crate::document::{PARAMETERS, Parameter};
+use crate::{
+    document::{PARAMETERS, Parameter},
+    measure::Pair,
+};
 
 /// One tab of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +56,8 @@ impl Tab {
             Self::Clip => section == "clip",
             Self::Show => section == "show",
             Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
-            Self::Residuals | Self::Quality => false,
+            Self::Quality => section == "plants",
+            Self::Residuals => false,
         }
     }
 }
@@ -236,6 +240,21 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
             "What the original path leaves over along x, y, z; body heights.".to_owned(),
         ),
     ];
+    let pair =
+        |pair: Option<Pair>| pair.map_or_else(|| "–".to_owned(), |p| format!("{:.4} → {:.4}", p.source, p.edited));
+    for (foot, numbers) in solved.feet.plants.iter().zip(solved.foot_numbers.iter()) {
+        let joint = &solved.clip.skeleton.joint(foot.leg.ankle).name;
+        rows.push(fact(
+            &format!("{joint} speed"),
+            pair(numbers.planted_speed),
+            "Mean speed of the foot while it stands, source → edited; body heights a second.".to_owned(),
+        ));
+        rows.push(fact(
+            &format!("{joint} slip"),
+            pair(numbers.slip_p90),
+            "How far the foot slips in nine plants of ten, source → edited; body heights.".to_owned(),
+        ));
+    }
     rows.extend(measures.seam.iter().map(|seam| {
         fact(
             &format!("seam at {}", seam.frame),

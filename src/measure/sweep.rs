@@ -58,6 +58,25 @@ pub struct Sweep {
 }
 
 impl Body {
+    /// Returns the world positions of all points in the source.
+    pub fn tracks(&self) -> &PointTracks {
+        &self.tracks
+    }
+
+    /// Returns the world positions of some points where the carrier of each frame has been moved to; without carriers
+    /// the source's.
+    pub fn moved(&self, points: &[usize], carriers: &[Rigid], source_frames: &[u32]) -> PointTracks {
+        let moves: Vec<Rigid> =
+            carriers.iter().zip(source_frames).map(|(&to, &f)| to * self.to_origin[f as usize]).collect();
+        PointTracks::from_fn(points.len(), source_frames.len(), |idx, frame| {
+            let at = self.tracks.position(points[idx], source_frames[frame] as usize);
+            match moves.get(frame) {
+                Some(to) if self.follows[points[idx]] => to.point(at),
+                _ => at,
+            }
+        })
+    }
+
     /// Prepares a clip; one pass over all its frames. `carriers` is the clip's own carrier track.
     pub fn of(clip: &Clip, carriers: &[Rigid]) -> Self {
         let skeleton = &clip.skeleton;

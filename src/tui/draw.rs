@@ -21,10 +21,12 @@ use ratatui::{
 
 use super::{
     Chart, Direction, Extent, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView, Series,
-    StatusLine, Tabs, Timeline, text,
+    StatusLine, Tabs, Timeline, TimelineRow, text,
 };
 use crate::{
+    contact::{FootPlants, Plant},
     editor::{Editor, Hint, Severity, TABS, Tab},
+    motion::Side,
     scene::{Picture, Scene},
 };
 
@@ -63,7 +65,7 @@ impl Parts {
         let [title, body, timeline, status, keys] = Layout::vertical([
             Constraint::Length(1),
             Constraint::Fill(1),
-            Constraint::Length(2),
+            Constraint::Length(4),
             Constraint::Length(1),
             Constraint::Length(1),
         ])
@@ -194,12 +196,20 @@ fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palett
 fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
     let solved = editor.document().solved();
     let rest = solved.clip.rest_frames();
+    // A plant of the source stands where the edited clip first shows it.
+    let last_shown = solved.edited.n_frames().min(solved.clip.n_frames()) - 1;
+    let shown =
+        |plant: &Plant| (plant.first <= last_shown).then(|| plant.first + rest..=plant.last.min(last_shown) + rest);
+    let intervals: Vec<Vec<_>> =
+        solved.feet.plants.iter().map(|foot| foot.plants.iter().filter_map(shown).collect()).collect();
+    let feet = solved.feet.plants.iter().zip(&intervals);
+    let rows: Vec<_> = feet.map(|(foot, intervals)| TimelineRow { label: side(foot), intervals }).collect();
     let timeline = Timeline {
         n_frames: solved.edited.n_frames() + rest,
         playhead: editor.view().frame_idx + rest,
         frame_time_secs: solved.clip.frame_time_secs,
         marks: &[],
-        rows: &[],
+        rows: &rows,
         palette,
     };
     timeline.render(area, buf);
@@ -229,12 +239,29 @@ fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) 
             StatusLine { left: &format!("{sign}{}", message.text), right: "", style }.render(area, buf);
         }
         None => {
-            let measures = &editor.document().solved().measures;
-            let jerk = measures.jerk_ratio.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}"));
-            StatusLine { left: &format!("jerk ratio {jerk}"), right: &right, style: palette.text() }.render(area, buf);
+            StatusLine { left: &score(editor), right: &right, style: palette.text() }.render(area, buf);
         }
     }
     None
+}
+
+/// How fast the feet move while they stand, source → edited, or the smoothness of a clip without feet.
+fn score(editor: &Editor) -> String {
+    let solved = editor.document().solved();
+    let feet = solved.feet.plants.iter().zip(solved.foot_numbers.iter());
+    let speeds: String = feet
+        .filter_map(|(foot, numbers)| Some((foot, numbers.planted_speed?)))
+        .map(|(foot, speed)| format!("{} {:.2}→{:.2} ", side(foot), speed.source, speed.edited))
+        .collect();
+    if speeds.is_empty() {
+        let jerk = solved.measures.jerk_ratio.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}"));
+        return format!("jerk ratio {jerk}");
+    }
+    format!("feet {speeds}H/s")
+}
+
+fn side(foot: &FootPlants) -> &'static str {
+    if foot.leg.side == Side::Left { "L" } else { "R" }
 }
 
 fn state_line(editor: &Editor) -> String {
