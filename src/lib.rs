@@ -15,7 +15,7 @@
 //! | 6 | [`editor`] | commands, keymap, view state; builds the scene; knows no terminal and no GPU |
 //! | 5 | [`document`], [`scene`] | edits, undo, the solve, project files · a picture as plain data that can travel |
 //! | 4 | [`measure`] | quality numbers |
-//! | 3 | [`path`] | path out of and into a clip |
+//! | 3 | [`path`], [`contact`] | path out of and into a clip · plant detection |
 //! | 2 | [`motion`] | clips, poses, kinematics; conversion from and to BVH |
 //! | 1 | [`curve`], [`bvh`], [`skeleton`] | polynomial fit, B-spline, arc length · the file as it is, losslessly · joint tree |
 //! | 0 | [`math`], [`sync`], [`key`] | what glam and the linear algebra library lack · newest-value mailbox · one name for a key press |
@@ -35,6 +35,7 @@
 pub mod app;
 pub mod bvh;
 pub mod cli;
+pub mod contact;
 pub mod curve;
 pub mod document;
 pub mod editor;

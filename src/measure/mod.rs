@@ -1,13 +1,17 @@
-//! Quality numbers of an edited clip beside its source (METHOD 9), as far as they need no foot plants.
+//! Quality numbers of an edited clip beside its source (METHOD 9).
+//!
+//! Those of feet need plants and are taken apart ([`FootMeasure`]).
 //!
 //! What costs most is looking at every joint of every frame. That is done once for the source ([`Body`], kept with
 //! the clip) and once for each result, from the body as its carrier sees it: an edit only moves the carrier.
 
+mod feet;
 mod seam;
 mod sweep;
 
 use glam::DVec3;
 
+pub use feet::{FootMeasure, FootNumbers, FootTracks};
 pub use seam::Seam;
 pub use sweep::Body;
 

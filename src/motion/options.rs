@@ -3,6 +3,8 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::LegNames;
+
 /// The user's word on how a file is to be read; `None` means: decide from the numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipOptions {
@@ -16,6 +18,8 @@ pub struct ClipOptions {
     pub joint_offsets: Option<OffsetMeaning>,
     /// `clip.rest_frames`: leading frames to leave alone.
     pub rest_frames: Option<usize>,
+    /// `clip.legs`: the legs by name; empty: guess. Reading the file does not need them, [`super::find_legs`] does.
+    pub legs: Vec<LegNames>,
 }
 
 /// The file's up axis.

@@ -6,6 +6,30 @@
 
 use glam::DVec3;
 
+/// Positions of one point over frames.
+#[derive(Clone, Copy, Debug)]
+pub struct Track<'a> {
+    /// By frame.
+    pub x: &'a [f64],
+    /// By frame, as many as `x`.
+    pub y: &'a [f64],
+    /// By frame, as many as `x`.
+    pub z: &'a [f64],
+}
+
+impl Track<'_> {
+    /// Returns the position at a frame.
+    pub fn at(&self, frame: usize) -> DVec3 {
+        DVec3::new(self.x[frame], self.y[frame], self.z[frame])
+    }
+
+    /// Returns the horizontal distance from a frame's position to another's.
+    pub fn flat_distance(&self, from: usize, to: usize) -> f64 {
+        let (dx, dz) = (self.x[to] - self.x[from], self.z[to] - self.z[from]);
+        (dx * dx + dz * dz).sqrt()
+    }
+}
+
 /// Positions, points × frames, point-major, one array per axis.
 #[derive(Clone, Debug, Default)]
 pub struct PointTracks {
@@ -26,6 +50,18 @@ impl PointTracks {
         let stride = (n_frames.div_ceil(CACHE_LINE) | 1) * CACHE_LINE;
         let axis = || vec![0.0; n_points * stride];
         Self { n_points, n_frames, stride, x: axis(), y: axis(), z: axis() }
+    }
+
+    /// Makes tracks from a position per point and frame.
+    pub fn from_fn(n_points: usize, n_frames: usize, position: impl Fn(usize, usize) -> DVec3) -> Self {
+        let mut tracks = Self::new(n_points, n_frames);
+        for point in 0..n_points {
+            for frame in 0..n_frames {
+                let (at, p) = (tracks.at(point, frame), position(point, frame));
+                (tracks.x[at], tracks.y[at], tracks.z[at]) = (p.x, p.y, p.z);
+            }
+        }
+        tracks
     }
 
     /// Returns the index of a position in the three arrays.
@@ -56,6 +92,11 @@ impl PointTracks {
     /// Returns a point's z over all frames.
     pub fn z(&self, point: usize) -> &[f64] {
         &self.z[point * self.stride..][..self.n_frames]
+    }
+
+    /// Returns a point's positions over all frames.
+    pub fn track(&self, point: usize) -> Track<'_> {
+        Track { x: self.x(point), y: self.y(point), z: self.z(point) }
     }
 
     /// Returns one position.

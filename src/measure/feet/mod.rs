@@ -1,0 +1,310 @@
+//! What feet do in their plants and between them, source beside edited (METHOD 9).
+//!
+//! The plants are those found on the source. Both clips are measured over the same steps, those that the edited clip
+//! shows, so that a clip that ends early or is cycled is compared with what it repeats. A step is from one frame to the
+//! next; the contact point is ankle or toe, whichever moves less over the ground in that step of that clip.
+
+mod diameter;
+
+use std::ops::Range;
+
+use diameter::diameter;
+
+use super::Pair;
+use crate::{
+    contact::{Plant, PlantMode},
+    motion::Track,
+};
+
+/// The two points of a foot that may stand, world, over the frames of one clip.
+#[derive(Clone, Copy, Debug)]
+pub struct FootTracks<'a> {
+    /// The ankle.
+    pub ankle: Track<'a>,
+    /// Ball or tip of the foot; as many frames.
+    pub toe: Track<'a>,
+}
+
+/// One foot's numbers, source (over what the edited clip shows) beside edited; none where there is nothing to measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootNumbers {
+    /// Plants measured: those of the edited clip, intended slides not counted. A plant cycled twice counts twice.
+    pub plants: usize,
+    /// Mean horizontal speed of the contact point in plants, body heights per second.
+    pub planted_speed: Option<Pair>,
+    /// Per plant the largest horizontal distance between two places of the same joint while it is the contact point
+    /// without a break; of these the 90th percentile over plants, body heights.
+    pub slip_p90: Option<Pair>,
+    /// Mean height of the toe over its floor between plants, body heights. The floor under a frame lies on the straight
+    /// line, over time, between the toe's lowest heights in the plants before and after.
+    pub clearance: Option<Pair>,
+}
+
+/// Everything the numbers of a foot are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct FootMeasure<'a> {
+    /// The foot in the source.
+    pub source: FootTracks<'a>,
+    /// The foot in the edited clip.
+    pub edited: FootTracks<'a>,
+    /// Source frame that each edited frame shows.
+    pub source_frames: &'a [u32],
+    /// The foot's plants, source frames, in order of time.
+    pub plants: &'a [Plant],
+    /// Seconds from frame to frame; positive.
+    pub frame_time_secs: f64,
+    /// Body height, clip's unit; positive.
+    pub height: f64,
+}
+
+impl FootMeasure<'_> {
+    /// Measures the foot. Linear in the number of edited frames, and fast enough for every key press.
+    pub fn numbers(&self) -> FootNumbers {
+        let stands = self.stands();
+        let measured: Vec<&Stand> = stands.iter().filter(|stand| stand.mode != PlantMode::Slide).collect();
+        let mut slips = [Vec::with_capacity(measured.len()), Vec::with_capacity(measured.len())];
+        let (mut lengths, mut n_steps) = ([0.0; 2], 0);
+        for stand in &measured {
+            n_steps += stand.edited.len() - 1;
+            for (clip, (tracks, frames)) in self.both(stand.edited.clone()).into_iter().enumerate() {
+                let steps = Steps::new(tracks, frames);
+                lengths[clip] += steps.length;
+                slips[clip].push(steps.slip);
+            }
+        }
+        let secs = n_steps as f64 * self.frame_time_secs;
+        let pair = |values: [f64; 2]| Pair { source: values[0] / self.height, edited: values[1] / self.height };
+        FootNumbers {
+            plants: measured.len(),
+            planted_speed: (n_steps > 0).then(|| pair(lengths.map(|length| length / secs))),
+            slip_p90: (!measured.is_empty()).then(|| pair(slips.map(percentile_90))),
+            clearance: self.clearance(&stands),
+        }
+    }
+
+    /// Finds the stretches of edited frames that show a plant without a break.
+    fn stands(&self) -> Vec<Stand> {
+        let mut stands = Vec::new();
+        let mut first = 0;
+        for run in self.source_frames.chunk_by(|&a, &b| a + 1 == b) {
+            let shown = run[0] as usize..run[0] as usize + run.len();
+            let from = self.plants.partition_point(|plant| plant.last < shown.start);
+            for plant in self.plants[from..].iter().take_while(|plant| plant.first < shown.end) {
+                let edited = |frame: usize| first + frame - shown.start;
+                let frames = plant.first.max(shown.start)..(plant.last + 1).min(shown.end);
+                stands.push(Stand { edited: edited(frames.start)..edited(frames.end), mode: plant.mode });
+            }
+            first += run.len();
+        }
+        stands
+    }
+
+    /// Returns the foot in the source and in the edited clip, each with the frames that these edited frames are.
+    fn both(&self, edited: Range<usize>) -> [(&FootTracks<'_>, Range<usize>); 2] {
+        let first = self.source_frames[edited.start] as usize;
+        [(&self.source, first..first + edited.len()), (&self.edited, edited)]
+    }
+
+    /// Returns the mean clearance over the frames between two plants that the edited clip shows in one piece.
+    fn clearance(&self, stands: &[Stand]) -> Option<Pair> {
+        let (mut sums, mut n_frames) = ([0.0; 2], 0);
+        for pair in stands.windows(2) {
+            let [before, after] = [pair[0].edited.clone(), pair[1].edited.clone()];
+            let whole = before.start..after.end;
+            let n_shown =
+                (self.source_frames[whole.end - 1] as usize).wrapping_sub(self.source_frames[whole.start] as usize);
+            if n_shown.wrapping_add(1) != whole.len() {
+                continue;
+            }
+            let swing = before.end..after.start;
+            n_frames += swing.len();
+            for (clip, (tracks, frames)) in self.both(whole.clone()).into_iter().enumerate() {
+                let y = &tracks.toe.y[frames];
+                let lowest = |part: Range<usize>| y[part].iter().copied().fold(f64::INFINITY, f64::min);
+                let from = lowest(0..before.len());
+                let to = lowest(y.len() - after.len()..y.len());
+                let span = (swing.len() + 1) as f64;
+                for (at, y) in (1..).zip(&y[before.len()..][..swing.len()]) {
+                    sums[clip] += y - (from + (to - from) * f64::from(at) / span);
+                }
+            }
+        }
+        let mean = |sum: f64| sum / n_frames as f64 / self.height;
+        (n_frames > 0).then(|| Pair { source: mean(sums[0]), edited: mean(sums[1]) })
+    }
+}
+
+/// A plant as far as the edited clip shows it without a break.
+struct Stand {
+    /// Edited frames, at least one.
+    edited: Range<usize>,
+    mode: PlantMode,
+}
+
+/// The steps of one foot in one plant of one clip.
+struct Steps {
+    /// Sum of the contact point's horizontal steps, clip's unit.
+    length: f64,
+    /// Largest distance between places of one joint while it is the contact point, clip's unit.
+    slip: f64,
+}
+
+impl Steps {
+    fn new(foot: &FootTracks, frames: Range<usize>) -> Self {
+        let (mut length, mut slip) = (0.0, 0.0f64);
+        // The joint in contact and the first frame of its run.
+        let mut run: Option<(bool, usize)> = None;
+        let of_run = |(is_toe, first): (bool, usize), last: usize| {
+            let track = if is_toe { &foot.toe } else { &foot.ankle };
+            diameter(&track.x[first..=last], &track.z[first..=last])
+        };
+        for frame in frames.start + 1..frames.end {
+            let (ankle, toe) = (foot.ankle.flat_distance(frame - 1, frame), foot.toe.flat_distance(frame - 1, frame));
+            let is_toe = toe < ankle;
+            length += ankle.min(toe);
+            match run {
+                Some((joint, _)) if joint == is_toe => {}
+                _ => {
+                    slip = run.map_or(slip, |ended| slip.max(of_run(ended, frame - 1)));
+                    run = Some((is_toe, frame - 1));
+                }
+            }
+        }
+        slip = run.map_or(slip, |ended| slip.max(of_run(ended, frames.end - 1)));
+        Self { length, slip }
+    }
+}
+
+/// Returns the 90th percentile, between values on a straight line.
+///
+/// # Panics
+///
+/// When there are no values.
+fn percentile_90(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let last = values.len() - 1;
+    let at = 0.9 * last as f64;
+    let below = at.floor() as usize;
+    let above = (below + 1).min(last);
+    values[below] + (at - below as f64) * (values[above] - values[below])
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::motion::PointTracks;
+
+    const DT: f64 = 0.01;
+    const HEIGHT: f64 = 2.0;
+
+    fn foot(tracks: &PointTracks) -> FootTracks<'_> {
+        FootTracks { ankle: tracks.track(0), toe: tracks.track(1) }
+    }
+
+    fn measure(source: &PointTracks, edited: &PointTracks, frames: &[u32], plants: &[Plant]) -> FootNumbers {
+        let measure = FootMeasure {
+            source: foot(source),
+            edited: foot(edited),
+            source_frames: frames,
+            plants,
+            frame_time_secs: DT,
+            height: HEIGHT,
+        };
+        measure.numbers()
+    }
+
+    fn all(tracks: &PointTracks) -> Vec<u32> {
+        (0..tracks.n_frames() as u32).collect()
+    }
+
+    #[track_caller]
+    fn check(found: Option<Pair>, source: f64, edited: f64) {
+        let found = found.expect("there is something to measure");
+        assert!((found.source - source).abs() < 1e-12, "source {} instead of {source}", found.source);
+        assert!((found.edited - edited).abs() < 1e-12, "edited {} instead of {edited}", found.edited);
+    }
+
+    /// The ankle swings by; the toe slides along x by `step` a frame and is lifted to `lift` outside frames 10–20 and
+    /// 40–60, over ground that rises by `slope` a frame.
+    fn sliding(step: f64, lift: f64, slope: f64) -> PointTracks {
+        PointTracks::from_fn(2, 80, |point, frame| {
+            let f = frame as f64;
+            let stands = (10..=20).contains(&frame) || (40..=60).contains(&frame);
+            match point {
+                0 => DVec3::new(0.0, 0.1, f),
+                _ => DVec3::new(step * f, slope * f + if stands { 0.0 } else { lift }, 0.0),
+            }
+        })
+    }
+
+    const PLANTS: [Plant; 2] = [Plant::new(10, 20), Plant::new(40, 60)];
+
+    #[test]
+    fn a_foot_that_slides_is_measured_in_body_heights() {
+        let (source, edited) = (sliding(0.02, 0.3, 0.0), sliding(0.06, 0.2, 0.0));
+        let numbers = measure(&source, &edited, &all(&source), &PLANTS);
+        assert_eq!(numbers.plants, 2);
+        check(numbers.planted_speed, 0.02 / DT / HEIGHT, 0.06 / DT / HEIGHT);
+        // Slips of 10 and 20 steps: a tenth of the way down from the larger.
+        check(numbers.slip_p90, 19.0 * 0.02 / HEIGHT, 19.0 * 0.06 / HEIGHT);
+        check(numbers.clearance, 0.3 / HEIGHT, 0.2 / HEIGHT);
+    }
+
+    #[test]
+    fn the_floor_between_plants_follows_their_levels() {
+        // The lowest toe is at the plants' first frames, 10 and 40; the floor goes from the first to the second while
+        // the frames go from 20 to 40.
+        let (flat, rising) = (sliding(0.02, 0.3, 0.0), sliding(0.02, 0.3, 0.01));
+        let numbers = measure(&flat, &rising, &all(&flat), &PLANTS);
+        check(numbers.clearance, 0.3 / HEIGHT, (0.3 + 0.01 * (30.0 - 25.0)) / HEIGHT);
+    }
+
+    #[test]
+    fn only_what_the_edited_clip_shows_is_measured() {
+        let source = sliding(0.02, 0.3, 0.0);
+        let cut: Vec<u32> = (0..45).collect();
+        let numbers = measure(&source, &source, &cut, &PLANTS);
+        assert_eq!(numbers.plants, 2);
+        check(numbers.slip_p90, (4.0 + 0.9 * 6.0) * 0.02 / HEIGHT, (4.0 + 0.9 * 6.0) * 0.02 / HEIGHT);
+
+        // Frames 15–44 twice: the break is neither a step nor a swing.
+        let twice: Vec<u32> = (15..45).chain(15..45).collect();
+        let edited = PointTracks::from_fn(2, 60, |point, frame| {
+            source.position(point, twice[frame] as usize) + DVec3::X * if frame < 30 { 0.0 } else { 7.0 }
+        });
+        let numbers = measure(&source, &edited, &twice, &PLANTS);
+        assert_eq!(numbers.plants, 4);
+        check(numbers.planted_speed, 0.02 / DT / HEIGHT, 0.02 / DT / HEIGHT);
+        check(numbers.slip_p90, 5.0 * 0.02 / HEIGHT, 5.0 * 0.02 / HEIGHT);
+        check(numbers.clearance, 0.3 / HEIGHT, 0.3 / HEIGHT);
+    }
+
+    #[test]
+    fn the_contact_point_changes_and_each_joint_slips_for_itself() {
+        // The ankle moves a little while the toe comes down, then the toe moves a little while the ankle goes up.
+        let tracks = PointTracks::from_fn(2, 21, |point, frame| {
+            let (early, late) = (frame.min(10) as f64, frame.saturating_sub(10) as f64);
+            DVec3::X * if point == 0 { 0.01 * early + late } else { early + 0.02 * late }
+        });
+        let numbers = measure(&tracks, &tracks, &all(&tracks), &[Plant::new(0, 20)]);
+        check(numbers.planted_speed, 0.015 / DT / HEIGHT, 0.015 / DT / HEIGHT);
+        check(numbers.slip_p90, 0.2 / HEIGHT, 0.2 / HEIGHT);
+        assert_eq!(numbers.clearance, None);
+    }
+
+    #[test]
+    fn intended_slides_and_feet_without_plants_are_not_measured() {
+        let source = sliding(0.02, 0.3, 0.0);
+        let slide = Plant { mode: PlantMode::Slide, ..PLANTS[1] };
+        let numbers = measure(&source, &source, &all(&source), &[PLANTS[0], slide]);
+        assert_eq!(numbers.plants, 1);
+        check(numbers.slip_p90, 10.0 * 0.02 / HEIGHT, 10.0 * 0.02 / HEIGHT);
+        check(numbers.clearance, 0.3 / HEIGHT, 0.3 / HEIGHT);
+
+        let none = FootNumbers { plants: 0, planted_speed: None, slip_p90: None, clearance: None };
+        assert_eq!(measure(&source, &source, &all(&source), &[]), none);
+        assert_eq!(measure(&source, &source, &[], &PLANTS), none);
+    }
+}
