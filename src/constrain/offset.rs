@@ -1,0 +1,214 @@
+//! The carrier's offset: the smooth way to give in so that both legs keep the performer's reach.
+//!
+//! The offset is a cubic B-spline over time, so it is smooth by construction and has few unknowns. Its control points
+//! solve one least-squares problem over the whole clip, a few times over (Gauss–Newton): keep each leg's distance from
+//! hip to ankle near the source's, the more so the faster the knee turns per unit of reach; keep planted legs within
+//! reach, at any price; else move little and smoothly.
+
+use glam::DVec3;
+
+use super::banded::Banded;
+
+/// Time between knots, seconds.
+const KNOT_SECS: f64 = 0.1;
+
+/// Price of the offset's third derivative squared, seconds⁶: a wish of weight 1 passes below 2 Hz or so.
+const SMOOTHNESS: f64 = 2.5e-7;
+
+/// Price of the offset itself.
+const NEARNESS: f64 = 0.01;
+
+/// Price of a leg's excess over its limit.
+const LIMIT_PRICE: f64 = 3e4;
+
+/// How far within its limit an overlong leg is brought, share of the limit.
+const LIMIT_MARGIN: f64 = 2e-4;
+
+/// Most Gauss–Newton steps.
+const MOST_STEPS: usize = 8;
+
+/// A step that moves the carrier less than this share of a leg ends the search.
+const STEP_ACCURACY: f64 = 1e-5;
+
+/// Scalars before an element in the band: four control points of three axes.
+const WIDTH: usize = 12;
+
+/// What one leg asks of the carrier at one frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wish {
+    /// From the ankle's target to the hip without offset, world.
+    pub(super) leg: DVec3,
+    /// Distance from hip to ankle to be kept.
+    pub(super) reach: f64,
+    /// Price of differing from it.
+    pub(super) weight: f64,
+    /// Distance not to be exceeded; infinite for a leg in swing.
+    pub(super) limit: f64,
+}
+
+/// Returns the offset at each frame, world. `wishes` has one list per leg, all as long as the clip.
+pub(super) fn offsets(wishes: &[Vec<Wish>], frame_time_secs: f64) -> Vec<DVec3> {
+    let n = wishes.first().map_or(0, Vec::len);
+    if n == 0 {
+        return Vec::new();
+    }
+    let spline = Spline::new(n, frame_time_secs);
+    let mut points = vec![0.0; 3 * spline.n_points];
+    let mut offsets = vec![DVec3::ZERO; n];
+    for step in 0..MOST_STEPS {
+        let (matrix, mut rhs) = spline.equations(wishes, &offsets, step > 0, frame_time_secs);
+        matrix.solve(&mut rhs);
+        points.copy_from_slice(&rhs);
+        let moved = spline.fill(&points, &mut offsets);
+        let leg = wishes[0][0].reach;
+        if step > 0 && moved < STEP_ACCURACY * leg {
+            break;
+        }
+    }
+    offsets
+}
+
+/// A cubic B-spline with a knot every few frames.
+struct Spline {
+    n_frames: usize,
+    /// Frames from knot to knot.
+    interval: usize,
+    n_points: usize,
+    /// Values of the four basis functions at each frame of an interval.
+    basis: Vec<[f64; 4]>,
+}
+
+impl Spline {
+    fn new(n_frames: usize, frame_time_secs: f64) -> Self {
+        let interval = (KNOT_SECS / frame_time_secs).round().max(1.0) as usize;
+        let basis = (0..interval).map(|phase| basis(phase as f64 / interval as f64)).collect();
+        Self { n_frames, interval, n_points: (n_frames - 1) / interval + 4, basis }
+    }
+
+    /// Sets up the normal equations, linear about the offsets as they are.
+    fn equations(
+        &self,
+        wishes: &[Vec<Wish>],
+        offsets: &[DVec3],
+        limits: bool,
+        frame_time_secs: f64,
+    ) -> (Banded<WIDTH>, Vec<f64>) {
+        let mut matrix = Banded::<WIDTH>::zeros(3 * self.n_points);
+        let mut rhs = vec![0.0; 3 * self.n_points];
+        for (interval, first) in (0..self.n_frames).step_by(self.interval).enumerate() {
+            let mut pairs = [[0.0; 6]; 10];
+            let mut sums = [DVec3::ZERO; 4];
+            for (phase, frame) in (first..(first + self.interval).min(self.n_frames)).enumerate() {
+                let (mut square, mut pull) = ([0.0; 6], DVec3::ZERO);
+                for leg in wishes {
+                    leg[frame].add_to(offsets[frame], limits, &mut square, &mut pull);
+                }
+                let basis = &self.basis[phase];
+                let mut pair = 0;
+                for k in 0..4 {
+                    sums[k] += basis[k] * pull;
+                    for l in 0..=k {
+                        let product = basis[k] * basis[l];
+                        for (sum, value) in pairs[pair].iter_mut().zip(&square) {
+                            *sum += product * value;
+                        }
+                        pair += 1;
+                    }
+                }
+            }
+            scatter(interval, &pairs, &sums, frame_time_secs, &mut matrix, &mut rhs);
+        }
+        self.add_smoothness(self.interval as f64 * frame_time_secs, &mut matrix);
+        (matrix, rhs)
+    }
+
+    fn add_smoothness(&self, knot_secs: f64, matrix: &mut Banded<WIDTH>) {
+        const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
+        let price = SMOOTHNESS / knot_secs.powi(5);
+        for first in 0..self.n_points - 3 {
+            for k in 0..4 {
+                for l in 0..=k {
+                    for axis in 0..3 {
+                        let (row, column) = (3 * (first + k) + axis, 3 * (first + l) + axis);
+                        matrix.add(row, column, price * THIRD[k] * THIRD[l]);
+                    }
+                }
+            }
+        }
+        for row in 0..3 * self.n_points {
+            matrix.add(row, row, NEARNESS * knot_secs);
+        }
+    }
+
+    /// Evaluates the spline at every frame; returns the largest change.
+    fn fill(&self, points: &[f64], offsets: &mut [DVec3]) -> f64 {
+        let mut moved = 0.0f64;
+        for (interval, frames) in offsets.chunks_mut(self.interval).enumerate() {
+            let point = |k: usize| DVec3::from_slice(&points[3 * (interval + k)..]);
+            let four = [point(0), point(1), point(2), point(3)];
+            for (offset, basis) in frames.iter_mut().zip(&self.basis) {
+                let now = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
+                moved = moved.max(now.distance_squared(*offset));
+                *offset = now;
+            }
+        }
+        moved.sqrt()
+    }
+}
+
+impl Wish {
+    /// Adds this wish, linear about an offset, to the normal equations of one frame.
+    fn add_to(&self, offset: DVec3, limits: bool, square: &mut [f64; 6], pull: &mut DVec3) {
+        let leg = self.leg + offset;
+        let length = leg.length();
+        let along = leg / length.max(1e-9 * self.reach.max(f64::MIN_POSITIVE));
+        let mut weight = self.weight;
+        let mut wanted = weight * self.reach;
+        if limits && length > self.limit * (1.0 - 2.0 * LIMIT_MARGIN) {
+            weight += LIMIT_PRICE;
+            wanted += LIMIT_PRICE * self.limit * (1.0 - LIMIT_MARGIN);
+        }
+        let scaled = along * weight;
+        square[0] += scaled.x * along.x;
+        square[1] += scaled.y * along.x;
+        square[2] += scaled.y * along.y;
+        square[3] += scaled.z * along.x;
+        square[4] += scaled.z * along.y;
+        square[5] += scaled.z * along.z;
+        *pull += along * (weight * (along.dot(offset) - length) + wanted);
+    }
+}
+
+/// Adds what one interval's frames ask to the equations of its four control points.
+fn scatter(
+    interval: usize,
+    pairs: &[[f64; 6]; 10],
+    sums: &[DVec3; 4],
+    scale: f64,
+    matrix: &mut Banded<WIDTH>,
+    rhs: &mut [f64],
+) {
+    /// Where element (row, column) of a symmetric 3 × 3 matrix is.
+    const AT: [[usize; 3]; 3] = [[0, 1, 3], [1, 2, 4], [3, 4, 5]];
+    let mut pair = 0;
+    for k in 0..4 {
+        for l in 0..=k {
+            for axis in 0..3 {
+                let row = 3 * (interval + k) + axis;
+                for other in 0..if l == k { axis + 1 } else { 3 } {
+                    matrix.add(row, 3 * (interval + l) + other, scale * pairs[pair][AT[axis][other]]);
+                }
+            }
+            pair += 1;
+        }
+        for axis in 0..3 {
+            rhs[3 * (interval + k) + axis] += scale * sums[k][axis];
+        }
+    }
+}
+
+/// Returns the four cubic basis functions at a phase in [0, 1).
+fn basis(t: f64) -> [f64; 4] {
+    let s = 1.0 - t;
+    [s * s * s, 4.0 - 6.0 * t * t + 3.0 * t * t * t, 4.0 - 6.0 * s * s + 3.0 * s * s * s, t * t * t].map(|b| b / 6.0)
+}
