@@ -20,6 +20,12 @@ const TO_PLAIN_SECS: f64 = 0.5;
 /// Two plants further apart than this have plain path editing between them, seconds.
 const LONGEST_SWING_SECS: f64 = 1.5;
 
+/// Plants of a foot with shorter gaps between them have one motion: the foot hardly leaves the ground, seconds.
+const SHORTEST_SWING_SECS: f64 = 0.2;
+
+/// As long as all of them together are no longer than this, seconds.
+const LONGEST_GROUP_SECS: f64 = 2.5;
+
 /// A foot's plan.
 pub(super) struct FootPlan {
     /// Where the ankle should be at each frame, world.
@@ -79,23 +85,40 @@ pub(super) fn plan(leg: &PreparedLeg, job: &Job, passage: &[Rigid], frame_time_s
 /// Cuts time into stretches: they cover the clip but for the gaps between them.
 fn stretches<'a>(leg: &'a PreparedLeg, job: &Job, passage: &[Rigid], frame_time_secs: f64) -> Vec<Stretch<'a>> {
     let n = passage.len();
-    let to_plain = (TO_PLAIN_SECS / frame_time_secs).ceil().max(1.0) as i64;
-    let longest = (LONGEST_SWING_SECS / frame_time_secs).ceil().max(2.0 * to_plain as f64) as i64;
+    let frames_in = |secs: f64| (secs / frame_time_secs).ceil().max(1.0) as i64;
+    let to_plain = frames_in(TO_PLAIN_SECS);
+    let longest = frames_in(LONGEST_SWING_SECS).max(2 * to_plain);
+    let (shortest, group) = (frames_in(SHORTEST_SWING_SECS), frames_in(LONGEST_GROUP_SECS));
+    let together = |a: &PreparedPlant, b: &PreparedPlant| {
+        let is_held = |p: &PreparedPlant| p.plant.mode != PlantMode::Slide;
+        is_held(a) && is_held(b) && ((b.plant.first - a.plant.last) as i64) < shortest
+    };
     let plain = |first, last| Stretch { first, last, held: None };
     let mut stretches: Vec<Stretch> = Vec::with_capacity(2 * leg.plants.len() + 1);
-    let shown = leg.plants.iter().enumerate().filter(|(_, p)| p.plant.first < n);
-    for (idx, plant) in shown {
+    let n_shown = leg.plants.partition_point(|p| p.plant.first < n);
+    let mut group_end = 0;
+    let mut motion = Rigid::IDENTITY;
+    for (idx, plant) in leg.plants[..n_shown].iter().enumerate() {
         let (first, last) = (plant.plant.first as i64, plant.plant.last as i64);
-        let before = stretches.last().map_or(i64::MIN / 2, |s: &Stretch| s.last);
         if plant.plant.mode == PlantMode::Slide {
             stretches.push(plain(first, last));
             continue;
         }
+        if idx >= group_end {
+            group_end = idx + 1;
+            while group_end < n_shown
+                && together(&leg.plants[group_end - 1], &leg.plants[group_end])
+                && leg.plants[group_end].plant.last as i64 - first <= group
+            {
+                group_end += 1;
+            }
+            motion = motion_of(&leg.plants[idx..group_end], &leg.frames, job, passage);
+        }
+        let before = stretches.last().map_or(i64::MIN / 2, |s: &Stretch| s.last);
         let after_plant = stretches.last().is_some_and(|s| s.held.is_some());
         if first - before > longest {
             stretches.push(plain(if after_plant { before + to_plain } else { before }, first - to_plain));
         }
-        let motion = plant_motion(plant, &leg.frames, job, passage);
         stretches.push(Stretch { first, last, held: Some(Hold { idx: idx as u32, plant, motion }) });
     }
     let last = stretches.last().map_or(i64::MIN / 2, |s| s.last + to_plain);
@@ -116,19 +139,19 @@ impl Stretch<'_> {
     }
 }
 
-/// Returns the one motion of a plant: the mean turn of plain path editing about up, and where it puts the foot on
+/// Returns the one motion of plants: the mean turn of plain path editing about up, and where it puts the foot on
 /// average; on a ramp also the slope's tilt.
-fn plant_motion(plant: &PreparedPlant, frames: &[LegFrame], job: &Job, passage: &[Rigid]) -> Rigid {
-    let range = plant.plant.first..=plant.plant.last.min(passage.len() - 1);
+fn motion_of(plants: &[PreparedPlant], frames: &[LegFrame], job: &Job, passage: &[Rigid]) -> Rigid {
     let (mut place, mut foot, mut yaw, mut slope, mut heading) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0, 0.0);
-    let n = range.clone().count() as f64;
-    for f in range {
+    let mut n = 0.0;
+    for f in plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
         let mid = 0.5 * (frames[f].ankle_world.translation + frames[f].toe_world);
         foot += mid;
         place += passage[f].point(mid);
         yaw += job.path[f].heading_rad - job.original[f].heading_rad;
         slope += job.path[f].slope_rad - job.original[f].slope_rad;
         heading += job.path[f].heading_rad;
+        n += 1.0;
     }
     let (place, foot) = (place / n, foot / n);
     let mut rotation = heading_rotation(yaw / n);

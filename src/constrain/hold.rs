@@ -19,14 +19,17 @@ use crate::{
 /// A planted leg is held within this share of its length, unless the source's own is longer.
 const LIMIT: f64 = 0.9995;
 
-/// A leg's wish counts no more than this; it grows without bound towards full extension.
-const MOST_WEIGHT: f64 = 1000.0;
+/// A leg's wish counts no more than this, although a knee turns ever faster towards full extension.
+const MOST_WEIGHT: f64 = 50.0;
 
 /// Weight of a leg in swing over one that stands.
 const SWING_WEIGHT: f64 = 0.3;
 
 /// Time over which easing sets in after a plant and ends before one, seconds.
 const EASE_SECS: f64 = 0.1;
+
+/// A leg in swing is eased over this share of its length before it is straight.
+const EASE_SHARE: f64 = 0.02;
 
 /// A plant is missed when its foot is off by more than this share of the body height.
 const MISSED: f64 = 1e-4;
@@ -117,33 +120,35 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let passage: Vec<Rigid> =
         job.carrier.iter().zip(&prepared.carrier).map(|(plain, source)| *plain * source.inverse()).collect();
     let plans: Vec<FootPlan> = prepared.legs.iter().map(|leg| feet::plan(leg, job, &passage, dt)).collect();
-    let wishes: Vec<Vec<Wish>> =
-        prepared.legs.iter().zip(&plans).map(|(leg, plan)| wishes(leg, plan, job.carrier)).collect();
+    let eases: Vec<Vec<f64>> = plans.iter().map(|plan| eases(&plan.plant, dt)).collect();
+    let wishes: Vec<Vec<Wish>> = (prepared.legs.iter().zip(&plans).zip(&eases))
+        .map(|((leg, plan), ease)| wishes(leg, plan, ease, job.carrier))
+        .collect();
     let offsets = offsets(&wishes, dt);
     let mut held = Held { carrier: job.carrier.to_vec(), ..Held::default() };
     for (carrier, offset) in held.carrier.iter_mut().zip(&offsets) {
         carrier.translation += offset;
     }
     held.largest_offset = offsets.iter().map(|o| o.length_squared()).fold(0.0, f64::max).sqrt();
-    for (idx, (leg, plan)) in prepared.legs.iter().zip(&plans).enumerate() {
-        held.bend(idx, leg, plan, prepared);
+    for (idx, ((leg, plan), ease)) in prepared.legs.iter().zip(&plans).zip(&eases).enumerate() {
+        held.bend(idx, leg, plan, ease, prepared.height);
         held.footprints.extend(plan.motions.iter().map(|(plant, motion)| footprint(idx, leg, *plant, motion)));
     }
     held
 }
 
 /// Returns what a leg asks of the carrier at every frame.
-fn wishes(leg: &PreparedLeg, plan: &FootPlan, carrier: &[Rigid]) -> Vec<Wish> {
-    (carrier.iter().zip(&leg.frames).zip(&plan.ankle).zip(&plan.plant))
-        .map(|(((carrier, frame), ankle), plant)| {
+fn wishes(leg: &PreparedLeg, plan: &FootPlan, ease: &[f64], carrier: &[Rigid]) -> Vec<Wish> {
+    (carrier.iter().zip(&leg.frames).zip(&plan.ankle).zip(ease))
+        .map(|(((carrier, frame), ankle), &ease)| {
             let share = frame.reach / frame.length;
             let weight = (1.0 / (1.0 - share * share)).clamp(1.0, MOST_WEIGHT);
-            let stands = plant.is_some();
             Wish {
                 leg: carrier.point(frame.hip) - ankle.translation,
                 reach: frame.reach,
-                weight: if stands { weight } else { SWING_WEIGHT * weight },
-                limit: if stands { frame.limit() } else { f64::INFINITY },
+                weight: weight * (1.0 + ease * (SWING_WEIGHT - 1.0)),
+                // Nor may a leg be too long just before it is planted and just after, where it cannot be eased yet.
+                limit: if ease < 1.0 { frame.limit() } else { f64::INFINITY },
             }
         })
         .collect()
@@ -166,9 +171,8 @@ fn footprint(idx: usize, leg: &PreparedLeg, plant_idx: u32, motion: &Rigid) -> F
 
 impl Held {
     /// Bends a leg to its foot's plan.
-    fn bend(&mut self, idx: usize, leg: &PreparedLeg, plan: &FootPlan, prepared: &Prepared) {
+    fn bend(&mut self, idx: usize, leg: &PreparedLeg, plan: &FootPlan, ease: &[f64], height: f64) {
         let n = self.carrier.len();
-        let ease = eases(&plan.plant, prepared.frame_time_secs);
         let [mut hips, mut knees, mut ankles] = [0; 3].map(|_| Vec::with_capacity(n));
         for frame in 0..n {
             let (source, carrier) = (&leg.frames[frame], &self.carrier[frame]);
@@ -183,7 +187,7 @@ impl Held {
             ankles.push(local(shin, back * plan.ankle[frame].rotation));
             if let Some(plant) = plan.plant[frame] {
                 let by = wanted.distance(turns.reached);
-                if by > MISSED * prepared.height {
+                if by > MISSED * height {
                     self.miss(idx, leg, plant, frame, by);
                 }
             }
@@ -207,16 +211,16 @@ impl Held {
 }
 
 /// Returns the target of a leg in swing, drawn in so that the leg comes near its full length but slowly; the target
-/// itself where there is no easing. No leg that is shorter than in the source is changed.
+/// itself where that is near enough. No leg that is shorter than in the source is changed.
 fn eased(source: &LegFrame, target: DVec3, ease: f64) -> DVec3 {
-    let wanted = target.length();
-    let excess = wanted - source.reach;
-    if ease == 0.0 || excess <= 0.0 {
+    let free = (source.limit() - ease * EASE_SHARE * source.length).max(source.reach);
+    let room = source.length - free;
+    let wanted_squared = target.length_squared();
+    if ease == 0.0 || wanted_squared <= free * free || room <= 0.0 {
         return target;
     }
-    let room = (source.limit() - source.reach).max(1e-6 * source.length);
-    let less = room * (1.0 - (-excess / room).exp());
-    target * ((source.reach + excess + ease * (less - excess)) / wanted)
+    let wanted = wanted_squared.sqrt();
+    target * ((free + room * (1.0 - ((free - wanted) / room).exp())) / wanted)
 }
 
 /// Returns how much a foot is eased at each frame: not in plants, fully well away from them.

@@ -9,26 +9,32 @@ use glam::DVec3;
 
 use super::banded::Banded;
 
+/// Time between the frames that the problem is set up with, seconds; what is smooth needs no more.
+const SAMPLE_SECS: f64 = 0.025;
+
 /// Time between knots, seconds.
 const KNOT_SECS: f64 = 0.1;
 
-/// Price of the offset's third derivative squared, seconds⁶: a wish of weight 1 passes below 2 Hz or so.
-const SMOOTHNESS: f64 = 2.5e-7;
+/// Price of the offset's third derivative squared, seconds⁶ per squared length.
+const SMOOTHNESS: f64 = 1e-6;
 
 /// Price of the offset itself.
-const NEARNESS: f64 = 0.01;
+const NEARNESS: f64 = 0.2;
 
 /// Price of a leg's excess over its limit.
-const LIMIT_PRICE: f64 = 3e4;
+const LIMIT_PRICE: f64 = 1e5;
+
+/// Share of that price in the first steps: which legs are too long is not known at once.
+const LIMIT_PRICES: [f64; 4] = [1e-3, 1e-2, 1e-1, 1.0];
 
 /// How far within its limit an overlong leg is brought, share of the limit.
 const LIMIT_MARGIN: f64 = 2e-4;
 
 /// Most Gauss–Newton steps.
-const MOST_STEPS: usize = 8;
+const MOST_STEPS: usize = 20;
 
 /// A step that moves the carrier less than this share of a leg ends the search.
-const STEP_ACCURACY: f64 = 1e-5;
+const STEP_ACCURACY: f64 = 5e-5;
 
 /// Scalars before an element in the band: four control points of three axes.
 const WIDTH: usize = 12;
@@ -56,22 +62,26 @@ pub(super) fn offsets(wishes: &[Vec<Wish>], frame_time_secs: f64) -> Vec<DVec3> 
     let mut points = vec![0.0; 3 * spline.n_points];
     let mut offsets = vec![DVec3::ZERO; n];
     for step in 0..MOST_STEPS {
-        let (matrix, mut rhs) = spline.equations(wishes, &offsets, step > 0, frame_time_secs);
+        let limit_price = LIMIT_PRICE * LIMIT_PRICES[step.min(LIMIT_PRICES.len() - 1)];
+        let (matrix, mut rhs) = spline.equations(wishes, &offsets, limit_price, frame_time_secs);
         matrix.solve(&mut rhs);
         points.copy_from_slice(&rhs);
-        let moved = spline.fill(&points, &mut offsets);
+        let moved = spline.fill(&points, spline.stride, &mut offsets);
         let leg = wishes[0][0].reach;
-        if step > 0 && moved < STEP_ACCURACY * leg {
+        if step >= LIMIT_PRICES.len() && moved < STEP_ACCURACY * leg {
             break;
         }
     }
+    spline.fill(&points, 1, &mut offsets);
     offsets
 }
 
 /// A cubic B-spline with a knot every few frames.
 struct Spline {
     n_frames: usize,
-    /// Frames from knot to knot.
+    /// Frames from one that is looked at to the next.
+    stride: usize,
+    /// Frames from knot to knot, a multiple of the stride.
     interval: usize,
     n_points: usize,
     /// Values of the four basis functions at each frame of an interval.
@@ -80,9 +90,10 @@ struct Spline {
 
 impl Spline {
     fn new(n_frames: usize, frame_time_secs: f64) -> Self {
-        let interval = (KNOT_SECS / frame_time_secs).round().max(1.0) as usize;
+        let stride = (SAMPLE_SECS / frame_time_secs).floor().max(1.0) as usize;
+        let interval = stride * (KNOT_SECS / (stride as f64 * frame_time_secs)).round().max(1.0) as usize;
         let basis = (0..interval).map(|phase| basis(phase as f64 / interval as f64)).collect();
-        Self { n_frames, interval, n_points: (n_frames - 1) / interval + 4, basis }
+        Self { n_frames, stride, interval, n_points: (n_frames - 1) / interval + 4, basis }
     }
 
     /// Sets up the normal equations, linear about the offsets as they are.
@@ -90,7 +101,7 @@ impl Spline {
         &self,
         wishes: &[Vec<Wish>],
         offsets: &[DVec3],
-        limits: bool,
+        limit_price: f64,
         frame_time_secs: f64,
     ) -> (Banded<WIDTH>, Vec<f64>) {
         let mut matrix = Banded::<WIDTH>::zeros(3 * self.n_points);
@@ -98,12 +109,12 @@ impl Spline {
         for (interval, first) in (0..self.n_frames).step_by(self.interval).enumerate() {
             let mut pairs = [[0.0; 6]; 10];
             let mut sums = [DVec3::ZERO; 4];
-            for (phase, frame) in (first..(first + self.interval).min(self.n_frames)).enumerate() {
+            for frame in (first..(first + self.interval).min(self.n_frames)).step_by(self.stride) {
                 let (mut square, mut pull) = ([0.0; 6], DVec3::ZERO);
                 for leg in wishes {
-                    leg[frame].add_to(offsets[frame], limits, &mut square, &mut pull);
+                    leg[frame].add_to(offsets[frame], limit_price, &mut square, &mut pull);
                 }
-                let basis = &self.basis[phase];
+                let basis = &self.basis[frame - first];
                 let mut pair = 0;
                 for k in 0..4 {
                     sums[k] += basis[k] * pull;
@@ -116,7 +127,7 @@ impl Spline {
                     }
                 }
             }
-            scatter(interval, &pairs, &sums, frame_time_secs, &mut matrix, &mut rhs);
+            scatter(interval, &pairs, &sums, self.stride as f64 * frame_time_secs, &mut matrix, &mut rhs);
         }
         self.add_smoothness(self.interval as f64 * frame_time_secs, &mut matrix);
         (matrix, rhs)
@@ -140,13 +151,13 @@ impl Spline {
         }
     }
 
-    /// Evaluates the spline at every frame; returns the largest change.
-    fn fill(&self, points: &[f64], offsets: &mut [DVec3]) -> f64 {
+    /// Evaluates the spline at every `stride`-th frame; returns the largest change.
+    fn fill(&self, points: &[f64], stride: usize, offsets: &mut [DVec3]) -> f64 {
         let mut moved = 0.0f64;
         for (interval, frames) in offsets.chunks_mut(self.interval).enumerate() {
             let point = |k: usize| DVec3::from_slice(&points[3 * (interval + k)..]);
             let four = [point(0), point(1), point(2), point(3)];
-            for (offset, basis) in frames.iter_mut().zip(&self.basis) {
+            for (offset, basis) in frames.iter_mut().zip(&self.basis).step_by(stride) {
                 let now = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
                 moved = moved.max(now.distance_squared(*offset));
                 *offset = now;
@@ -158,15 +169,15 @@ impl Spline {
 
 impl Wish {
     /// Adds this wish, linear about an offset, to the normal equations of one frame.
-    fn add_to(&self, offset: DVec3, limits: bool, square: &mut [f64; 6], pull: &mut DVec3) {
+    fn add_to(&self, offset: DVec3, limit_price: f64, square: &mut [f64; 6], pull: &mut DVec3) {
         let leg = self.leg + offset;
         let length = leg.length();
         let along = leg / length.max(1e-9 * self.reach.max(f64::MIN_POSITIVE));
         let mut weight = self.weight;
         let mut wanted = weight * self.reach;
-        if limits && length > self.limit * (1.0 - 2.0 * LIMIT_MARGIN) {
-            weight += LIMIT_PRICE;
-            wanted += LIMIT_PRICE * self.limit * (1.0 - LIMIT_MARGIN);
+        if length > self.limit * (1.0 - 2.0 * LIMIT_MARGIN) {
+            weight += limit_price;
+            wanted += limit_price * self.limit * (1.0 - LIMIT_MARGIN);
         }
         let scaled = along * weight;
         square[0] += scaled.x * along.x;

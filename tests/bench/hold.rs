@@ -36,8 +36,22 @@ fn main() {
     }
     println!(
         "{:<28}{:>3} {:<7}{:<6}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>8}{:>7}{:>5}{:>8}{:>8}",
-        "clip", "deg", "shape", "", "speed", "slip", "clear", "jerk", "accel", "knee", "back°", "bones", "offset", "miss",
-        "by", "µs"
+        "clip",
+        "deg",
+        "shape",
+        "",
+        "speed",
+        "slip",
+        "clear",
+        "jerk",
+        "accel",
+        "knee",
+        "back°",
+        "bones",
+        "offset",
+        "miss",
+        "by",
+        "µs"
     );
     let mut all: Vec<Numbers> = Vec::new();
     for subject in subjects.iter().filter(|s| s.name.contains(&name_part)) {
@@ -47,7 +61,12 @@ fn main() {
             for kind in SHAPES {
                 let plain = Plain::bent(subject, kind, degree, 0.5);
                 let row = |what: &str, numbers: &Numbers, micros: f64| {
-                    println!("{:<28}{degree:>3} {:<7}{what:<6}{}{micros:>8.0}", subject.name, kind.name(), cells(numbers));
+                    println!(
+                        "{:<28}{degree:>3} {:<7}{what:<6}{}{micros:>8.0}",
+                        subject.name,
+                        kind.name(),
+                        cells(numbers)
+                    );
                 };
                 row("plain", &measure(subject, &plain.unheld()), 0.0);
                 for (what, prepared) in [("held", &kept), ("clean", &clean)] {
@@ -76,8 +95,17 @@ fn main() {
 fn cells(n: &Numbers) -> String {
     format!(
         "{:>7.3}{:>7.3}{:>7.3}{:>7.3}{:>7.2}{:>7.2}{:>7.1}{:>8.0e}{:>7.3}{:>5}{:>8.4}",
-        n.planted_speed, n.slip, n.clearance, n.jerk, n.acceleration, n.knee_step, n.knee_back_deg, n.bones, n.offset,
-        n.n_missed, n.missed_by
+        n.planted_speed,
+        n.slip,
+        n.clearance,
+        n.jerk,
+        n.acceleration,
+        n.knee_step,
+        n.knee_back_deg,
+        n.bones,
+        n.offset,
+        n.n_missed,
+        n.missed_by
     )
 }
 

@@ -11,7 +11,9 @@ use walkabout::{
     math::Rigid,
     measure::{FootMeasure, FootTracks},
     motion::{Clip, ClipOptions, EditedClip, PointTracks, find_legs, gait},
-    path::{Degree, Integrator, NewPath, OriginalPath, PathFrame, ResidualFrame, Residuals, Shape, ShapeKind, shape_points},
+    path::{
+        Degree, Integrator, NewPath, OriginalPath, PathFrame, ResidualFrame, Residuals, Shape, ShapeKind, shape_points,
+    },
 };
 
 /// Bent shapes.
@@ -178,12 +180,8 @@ pub fn measure(subject: &Subject, held: &Held) -> Numbers {
         n_missed: held.missed.len(),
         missed_by: held.missed.iter().map(|m| m.by).fold(0.0, f64::max) / height,
     };
-    let foot_of = |tracks: &PointTracks, foot: &FootPlants| -> [usize; 2] {
-        let _ = tracks;
-        [foot.leg.ankle.idx(), foot.leg.toe]
-    };
     for foot in &subject.feet {
-        let [ankle, toe] = foot_of(source, foot);
+        let (ankle, toe) = (foot.leg.ankle.idx(), foot.leg.toe);
         let of = |t| FootTracks { ankle: PointTracks::track(t, ankle), toe: PointTracks::track(t, toe) };
         let found = FootMeasure {
             source: of(source),
@@ -219,7 +217,8 @@ impl Knee {
         let at = |joint: usize, f| tracks.position(joint, f);
         let (mut bend, mut stretched) = (Vec::new(), Vec::new());
         for f in 0..tracks.n_frames() {
-            let (hip, knee, ankle) = (at(foot.leg.hip.idx(), f), at(foot.leg.knee.idx(), f), at(foot.leg.ankle.idx(), f));
+            let (hip, knee, ankle) =
+                (at(foot.leg.hip.idx(), f), at(foot.leg.knee.idx(), f), at(foot.leg.ankle.idx(), f));
             bend.push((knee - hip).angle_between(ankle - knee));
             stretched.push(hip.distance(ankle) > 0.97 * (hip.distance(knee) + knee.distance(ankle)));
         }
@@ -267,7 +266,8 @@ fn bones(subject: &Subject, now: &PointTracks) -> f64 {
     let mut worst = 0.0f64;
     for point in 0..skeleton.n_points() {
         // The carrier's own offset from what it hangs on is what an edit changes.
-        let Some(parent) = skeleton.point_parent(point).filter(|_| point != subject.clip.facts.carrier.value.idx()) else {
+        let Some(parent) = skeleton.point_parent(point).filter(|_| point != subject.clip.facts.carrier.value.idx())
+        else {
             continue;
         };
         for f in 0..now.n_frames() {
