@@ -66,13 +66,12 @@ pub(super) fn offsets(wishes: &[Vec<Wish>], frame_time_secs: f64) -> Vec<DVec3> 
         let (matrix, mut rhs) = spline.equations(wishes, &offsets, limit_price, frame_time_secs);
         matrix.solve(&mut rhs);
         points.copy_from_slice(&rhs);
-        let moved = spline.fill(&points, spline.stride, &mut offsets);
+        let moved = spline.fill(&points, &mut offsets);
         let leg = wishes[0][0].reach;
         if step >= LIMIT_PRICES.len() && moved < STEP_ACCURACY * leg {
             break;
         }
     }
-    spline.fill(&points, 1, &mut offsets);
     offsets
 }
 
@@ -109,10 +108,16 @@ impl Spline {
         for (interval, first) in (0..self.n_frames).step_by(self.interval).enumerate() {
             let mut pairs = [[0.0; 6]; 10];
             let mut sums = [DVec3::ZERO; 4];
-            for frame in (first..(first + self.interval).min(self.n_frames)).step_by(self.stride) {
+            for frame in first..(first + self.interval).min(self.n_frames) {
+                // Wishes are smooth and looked at now and then; limits are not.
+                let share = if (frame - first).is_multiple_of(self.stride) { self.stride as f64 } else { 0.0 };
                 let (mut square, mut pull) = ([0.0; 6], DVec3::ZERO);
+                let mut asked = false;
                 for leg in wishes {
-                    leg[frame].add_to(offsets[frame], limit_price, &mut square, &mut pull);
+                    asked |= leg[frame].add_to(offsets[frame], share, limit_price, &mut square, &mut pull);
+                }
+                if !asked {
+                    continue;
                 }
                 let basis = &self.basis[frame - first];
                 let mut pair = 0;
@@ -127,7 +132,7 @@ impl Spline {
                     }
                 }
             }
-            scatter(interval, &pairs, &sums, self.stride as f64 * frame_time_secs, &mut matrix, &mut rhs);
+            scatter(interval, &pairs, &sums, frame_time_secs, &mut matrix, &mut rhs);
         }
         self.add_smoothness(self.interval as f64 * frame_time_secs, &mut matrix);
         (matrix, rhs)
@@ -151,13 +156,13 @@ impl Spline {
         }
     }
 
-    /// Evaluates the spline at every `stride`-th frame; returns the largest change.
-    fn fill(&self, points: &[f64], stride: usize, offsets: &mut [DVec3]) -> f64 {
+    /// Evaluates the spline at every frame; returns the largest change.
+    fn fill(&self, points: &[f64], offsets: &mut [DVec3]) -> f64 {
         let mut moved = 0.0f64;
         for (interval, frames) in offsets.chunks_mut(self.interval).enumerate() {
             let point = |k: usize| DVec3::from_slice(&points[3 * (interval + k)..]);
             let four = [point(0), point(1), point(2), point(3)];
-            for (offset, basis) in frames.iter_mut().zip(&self.basis).step_by(stride) {
+            for (offset, basis) in frames.iter_mut().zip(&self.basis) {
                 let now = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
                 moved = moved.max(now.distance_squared(*offset));
                 *offset = now;
@@ -168,14 +173,22 @@ impl Spline {
 }
 
 impl Wish {
-    /// Adds this wish, linear about an offset, to the normal equations of one frame.
-    fn add_to(&self, offset: DVec3, limit_price: f64, square: &mut [f64; 6], pull: &mut DVec3) {
+    /// Adds this wish, linear about an offset, to the normal equations of one frame, and tells whether there is one.
+    ///
+    /// `share` multiplies the wish to keep the reach, not the limit.
+    fn add_to(&self, offset: DVec3, share: f64, limit_price: f64, square: &mut [f64; 6], pull: &mut DVec3) -> bool {
         let leg = self.leg + offset;
-        let length = leg.length();
+        let bound = self.limit * (1.0 - 2.0 * LIMIT_MARGIN);
+        let length_squared = leg.length_squared();
+        let is_long = length_squared > bound * bound;
+        if !is_long && share == 0.0 {
+            return false;
+        }
+        let length = length_squared.sqrt();
         let along = leg / length.max(1e-9 * self.reach.max(f64::MIN_POSITIVE));
-        let mut weight = self.weight;
+        let mut weight = share * self.weight;
         let mut wanted = weight * self.reach;
-        if length > self.limit * (1.0 - 2.0 * LIMIT_MARGIN) {
+        if is_long {
             weight += limit_price;
             wanted += limit_price * self.limit * (1.0 - LIMIT_MARGIN);
         }
@@ -187,6 +200,7 @@ impl Wish {
         square[4] += scaled.z * along.y;
         square[5] += scaled.z * along.z;
         *pull += along * (weight * (along.dot(offset) - length) + wanted);
+        true
     }
 }
 
@@ -222,4 +236,43 @@ fn scatter(
 fn basis(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [s * s * s, 4.0 - 6.0 * t * t + 3.0 * t * t * t, 4.0 - 6.0 * s * s + 3.0 * s * s * s, t * t * t].map(|b| b / 6.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 1.0 / 60.0;
+
+    fn wish(leg: DVec3, reach: f64, limit: f64) -> Wish {
+        Wish { leg, reach, weight: 10.0, limit }
+    }
+
+    #[test]
+    fn legs_that_are_right_move_nothing() {
+        let legs = vec![vec![wish(DVec3::new(0.1, 0.8, 0.0), DVec3::new(0.1, 0.8, 0.0).length(), 0.9); 100]; 2];
+        assert!(offsets(&legs, DT).iter().all(|o| o.length() < 1e-12));
+        assert!(offsets(&[], DT).is_empty());
+        assert_eq!(offsets(&legs.iter().map(|l| l[..1].to_vec()).collect::<Vec<_>>(), DT).len(), 1);
+    }
+
+    #[test]
+    fn an_overlong_leg_is_brought_within_its_limit_smoothly() {
+        let long = |f: usize| if (40..60).contains(&f) { 0.03 } else { 0.0 };
+        let leg: Vec<Wish> = (0..100).map(|f| wish(DVec3::new(0.0, 0.88 + long(f), 0.1), 0.88, 0.9)).collect();
+        let found = offsets(std::slice::from_ref(&leg), DT);
+        for (wish, offset) in leg.iter().zip(&found) {
+            assert!((wish.leg + offset).length() <= wish.limit, "{}", (wish.leg + offset).length());
+        }
+        let jerk = |w: &[DVec3]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).length();
+        assert!(found.windows(4).map(jerk).fold(0.0, f64::max) < 0.005);
+        assert!(found[0].length() < 0.005 && found[99].length() < 0.005, "it ends with its cause");
+    }
+
+    #[test]
+    fn basis_functions_add_up_to_one() {
+        for phase in 0..10 {
+            assert!((basis(f64::from(phase) / 10.0).iter().sum::<f64>() - 1.0).abs() < 1e-15);
+        }
+    }
 }
