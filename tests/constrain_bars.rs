@@ -2,6 +2,7 @@
 //!
 //! The bench `hold` prints the same numbers for every captured clip and shape.
 
+#[allow(dead_code, reason = "shared by two programs; neither uses all of it")]
 mod hold_numbers;
 
 use std::sync::OnceLock;

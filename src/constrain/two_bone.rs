@@ -143,7 +143,8 @@ mod tests {
                 for target in [[0.1, -0.7, 0.1], [0.0, -0.5, 0.4], [0.0, -0.78, 0.0], [0.3, 0.2, 0.0], [0.0, -2.0, 0.5]]
                 {
                     let target = DVec3::from_array(target);
-                    check(TwoBone { thigh, shin, hinge: DVec3::X, target }, parent);
+                    let hinge = thigh.cross(shin).try_normalize().unwrap_or(DVec3::X);
+                    check(TwoBone { thigh, shin, hinge, target }, parent);
                 }
             }
         }

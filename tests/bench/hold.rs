@@ -4,6 +4,7 @@
 //! the feet's own slide removed. Ratios are over the source. Captured clips are found through `WALKABOUT_CLIPS`.
 
 #[path = "../hold_numbers/mod.rs"]
+#[allow(dead_code, reason = "shared by two programs; neither uses all of it")]
 mod hold_numbers;
 
 use std::time::Instant;

@@ -17,51 +17,52 @@ use walkabout::{
 };
 
 /// Bent shapes.
-pub const SHAPES: [ShapeKind; 5] = [ShapeKind::Circle, ShapeKind::Zigzag, ShapeKind::Eight, ShapeKind::U, ShapeKind::S];
+pub(crate) const SHAPES: [ShapeKind; 5] =
+    [ShapeKind::Circle, ShapeKind::Zigzag, ShapeKind::Eight, ShapeKind::U, ShapeKind::S];
 
 /// A clip with its plants.
-pub struct Subject {
-    pub name: String,
-    pub clip: Arc<Clip>,
-    pub tracks: PointTracks,
-    pub carrier: Vec<Rigid>,
-    pub feet: Vec<FootPlants>,
+pub(crate) struct Subject {
+    pub(crate) name: String,
+    pub(crate) clip: Arc<Clip>,
+    pub(crate) tracks: PointTracks,
+    pub(crate) carrier: Vec<Rigid>,
+    pub(crate) feet: Vec<FootPlants>,
 }
 
 /// The numbers of an edit, over those of the source where they are ratios.
 #[derive(Clone, Debug)]
-pub struct Numbers {
-    pub planted_speed: f64,
-    pub slip: f64,
-    pub clearance: f64,
-    pub jerk: f64,
-    pub acceleration: f64,
+pub(crate) struct Numbers {
+    pub(crate) planted_speed: f64,
+    pub(crate) slip: f64,
+    pub(crate) clearance: f64,
+    pub(crate) jerk: f64,
+    pub(crate) acceleration: f64,
     /// Largest step of a knee near full extension.
-    pub knee_step: f64,
+    pub(crate) knee_step: f64,
     /// Least bend about the source's hinge, degrees; negative for a knee that bends backwards further than the source's.
-    pub knee_back_deg: f64,
+    pub(crate) knee_back_deg: f64,
     /// Largest change of a bone's length, body heights.
-    pub bones: f64,
+    pub(crate) bones: f64,
     /// Body heights.
-    pub offset: f64,
-    pub n_missed: usize,
+    pub(crate) offset: f64,
+    pub(crate) n_missed: usize,
     /// Body heights.
-    pub missed_by: f64,
+    pub(crate) missed_by: f64,
 }
 
 impl Subject {
     /// Reads a captured clip.
-    pub fn read(dir: &str, name: &str) -> Self {
+    pub(crate) fn read(dir: &str, name: &str) -> Self {
         let bytes = std::fs::read(format!("{dir}/real/{name}.bvh")).expect("the clip is there");
         Self::new(name, &Bvh::parse(bytes, name).expect("a valid file"))
     }
 
     /// Takes the built-in clip.
-    pub fn built_in() -> Self {
+    pub(crate) fn built_in() -> Self {
         Self::new("built-in", &Bvh::parse(gait::built_in().0.into_bytes(), "built-in").expect("a valid file"))
     }
 
-    pub fn new(name: &str, bvh: &Bvh) -> Self {
+    pub(crate) fn new(name: &str, bvh: &Bvh) -> Self {
         let clip = Arc::new(Clip::from_bvh(bvh, &ClipOptions::default()));
         let tracks = clip.world_tracks();
         let legs = find_legs(&clip, &[], &mut Vec::new()).value;
@@ -78,7 +79,7 @@ impl Subject {
     }
 
     /// Returns the same subject with all plants in a mode.
-    pub fn with_mode(&self, mode: PlantMode) -> Vec<FootPlants> {
+    pub(crate) fn with_mode(&self, mode: PlantMode) -> Vec<FootPlants> {
         let mut feet = self.feet.clone();
         feet.iter_mut().flat_map(|foot| &mut foot.plants).for_each(|plant| plant.mode = mode);
         feet
@@ -86,15 +87,15 @@ impl Subject {
 }
 
 /// A plain path edit, whole.
-pub struct Plain {
-    pub carrier: Vec<Rigid>,
-    pub path: Vec<PathFrame>,
-    pub original: Vec<PathFrame>,
+pub(crate) struct Plain {
+    pub(crate) carrier: Vec<Rigid>,
+    pub(crate) path: Vec<PathFrame>,
+    pub(crate) original: Vec<PathFrame>,
 }
 
 impl Plain {
     /// Bends a clip onto a shape whose smallest radius is `radius` body heights at least.
-    pub fn bent(subject: &Subject, kind: ShapeKind, degree: u32, radius: f64) -> Self {
+    pub(crate) fn bent(subject: &Subject, kind: ShapeKind, degree: u32, radius: f64) -> Self {
         let height = subject.clip.facts.height.value;
         let original = OriginalPath::fit(&subject.carrier, Degree::Fixed(degree), 0.5, height);
         let fallback_rad = original.frames()[0].heading_rad;
@@ -110,22 +111,22 @@ impl Plain {
         Self::along(subject, &original, &new_path)
     }
 
-    pub fn along(subject: &Subject, original: &OriginalPath, new_path: &NewPath) -> Self {
+    pub(crate) fn along(subject: &Subject, original: &OriginalPath, new_path: &NewPath) -> Self {
         let residuals = Residuals::of(&subject.carrier, original.frames(), ResidualFrame::Heading);
         let path = new_path.frames_along(&original.progress(Integrator::Gauss, 0.01));
         let carrier = path.iter().enumerate().map(|(f, at)| residuals.apply(f, at)).collect();
         Self { carrier, path, original: original.frames().to_vec() }
     }
 
-    pub fn job(&self, ground: Ground) -> Job<'_> {
+    pub(crate) fn job(&self, ground: Ground) -> Job<'_> {
         Job { carrier: &self.carrier, path: &self.path, original: &self.original, ground }
     }
 
-    pub fn unheld(&self) -> Held {
+    pub(crate) fn unheld(&self) -> Held {
         Held { carrier: self.carrier.clone(), ..Held::default() }
     }
 
-    pub fn held(&self, subject: &Subject, feet: &[FootPlants]) -> Held {
+    pub(crate) fn held(&self, subject: &Subject, feet: &[FootPlants]) -> Held {
         hold(&Prepared::new(&subject.clip, feet), &self.job(Ground::Steps))
     }
 }
@@ -141,7 +142,7 @@ fn smallest_radius(path: &NewPath) -> f64 {
 }
 
 /// Returns an edited clip of a held edit.
-pub fn edited(subject: &Subject, held: &Held) -> EditedClip {
+pub(crate) fn edited(subject: &Subject, held: &Held) -> EditedClip {
     EditedClip {
         carrier_world: held.carrier.clone(),
         turned: held.turned.clone(),
@@ -150,7 +151,7 @@ pub fn edited(subject: &Subject, held: &Held) -> EditedClip {
 }
 
 /// Returns all points of an edited clip.
-pub fn tracks(edited: &EditedClip) -> PointTracks {
+pub(crate) fn tracks(edited: &EditedClip) -> PointTracks {
     let frames: Vec<Vec<DVec3>> = (0..edited.n_frames())
         .map(|f| {
             let mut points = Vec::new();
@@ -162,7 +163,7 @@ pub fn tracks(edited: &EditedClip) -> PointTracks {
 }
 
 /// Measures an edit.
-pub fn measure(subject: &Subject, held: &Held) -> Numbers {
+pub(crate) fn measure(subject: &Subject, held: &Held) -> Numbers {
     let (clip, source) = (&subject.clip, &subject.tracks);
     let height = clip.facts.height.value;
     let edited = edited(subject, held);
