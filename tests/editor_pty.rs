@@ -74,7 +74,7 @@ fn dotted(screen: &vt100::Screen) -> usize {
 
 /// Returns the frame that the timeline names.
 fn frame(screen: &vt100::Screen) -> Option<usize> {
-    line(screen, 4).strip_prefix("frame ")?.split(" of ").next()?.parse().ok()
+    line(screen, 6).strip_prefix("frame ")?.split(" of ").next()?.parse().ok()
 }
 
 /// Returns the colours of all cells.

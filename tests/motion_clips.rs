@@ -117,7 +117,7 @@ fn check_moved(name: &str, bvh: &Bvh, clip: Arc<Clip>) {
     let carrier_world = (source_frames.iter().enumerate())
         .map(|(frame, &source)| motion(frame as f64, height) * clip.carrier_world(source as usize))
         .collect();
-    let edited = EditedClip { clip: clip.clone(), source_frames, carrier_world };
+    let edited = EditedClip { clip: clip.clone(), source_frames, carrier_world, turned: Vec::new() };
     let written = to_bvh(bvh, &edited);
     let again = Bvh::parse(written, name).unwrap_or_else(|e| panic!("{name}: {e}"));
     // The facts may come out otherwise for the moved clip; the same reading is what is compared.

@@ -163,7 +163,12 @@ fn timing_options(edits: &Edits) -> TimingOptions {
 fn along(clip: &Arc<Clip>, residuals: &Residuals, timing: &Timing) -> EditedClip {
     let carrier_world =
         timing.source_frames.iter().zip(&timing.frames).map(|(&f, at)| residuals.apply(f as usize, at)).collect();
-    EditedClip { clip: Arc::clone(clip), source_frames: timing.source_frames.clone(), carrier_world }
+    EditedClip {
+        clip: Arc::clone(clip),
+        source_frames: timing.source_frames.clone(),
+        carrier_world,
+        turned: Vec::new(),
+    }
 }
 
 fn original_warnings(original: &OriginalPath) -> impl Iterator<Item = String> {

@@ -345,6 +345,7 @@ mod tests {
             clip: std::sync::Arc::new(clip.clone()),
             source_frames: frames.to_vec(),
             carrier_world: carriers.to_vec(),
+            turned: Vec::new(),
         };
         let worlds: Vec<Vec<DVec3>> = (0..frames.len())
             .map(|f| {

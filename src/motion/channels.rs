@@ -49,9 +49,14 @@ impl JointChannels {
 
     /// Tells whether there are three position channels and one rotation channel about each axis.
     pub(super) fn moves_freely(&self) -> bool {
+        self.turns_freely() && self.positions.iter().all(Option::is_some)
+    }
+
+    /// Tells whether there is one rotation channel about each axis.
+    pub(super) fn turns_freely(&self) -> bool {
         let mut axes: Vec<usize> = self.rotations.iter().map(|&(axis, _)| axis).collect();
         axes.sort_unstable();
-        axes == [0, 1, 2] && self.positions.iter().all(Option::is_some)
+        axes == [0, 1, 2]
     }
 
     /// Tells whether the joint has any position channel.

@@ -27,6 +27,8 @@ pub struct Clip {
     pub warnings: Vec<String>,
     /// Rest frames included. Invariant: more frames than `facts.rest_frames`.
     pub(super) poses: Poses,
+    /// By joint: one rotation channel about each axis.
+    pub(super) turns_freely: Vec<bool>,
 }
 
 impl Clip {
@@ -50,6 +52,11 @@ impl Clip {
         frame + self.rest_frames()
     }
 
+    /// Tells whether the file can give a joint any rotation: it has one channel about each axis.
+    pub fn turns_freely(&self, joint_idx: usize) -> bool {
+        self.turns_freely[joint_idx]
+    }
+
     /// Returns the local rotations of all joints at a frame.
     pub fn rotations(&self, frame: usize) -> &[DQuat] {
         self.poses.rotations(self.file_frame(frame))
@@ -67,7 +74,7 @@ impl Clip {
 
     /// Fills `out` with the world motions of all joints at a frame.
     pub fn world_rigids(&self, frame: usize, out: &mut Vec<Rigid>) {
-        kinematics::world_rigids(&self.skeleton, &self.poses, self.file_frame(frame), None, out);
+        kinematics::world_rigids(&self.skeleton, &self.poses, self.file_frame(frame), out);
     }
 
     /// Fills `out` with the world positions of all points at a frame: joints, then end sites.

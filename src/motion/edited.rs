@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Clip, kinematics};
-use crate::math::Rigid;
+use super::{
+    Clip,
+    kinematics::{self, Instead},
+};
+use crate::{math::Rigid, skeleton::JointId};
 
 /// A clip along another path: which frame of the clip each frame shows, and where its carrier is.
 ///
 /// Everything not named here is the clip's own: joints outside the carrier's subtree stay where they are. Frames are
-/// those that would be exported, rest frames not included. It does not hold local rotations of its own yet: what bends
-/// other joints (IK, displacement maps) belongs here as a field beside `carrier_world`.
+/// those that would be exported, rest frames not included.
 #[derive(Clone, Debug)]
 pub struct EditedClip {
     /// The clip as loaded.
@@ -20,13 +22,24 @@ pub struct EditedClip {
     pub source_frames: Vec<u32>,
     /// World motion of the carrier at each edited frame; empty when the path edit is off or impossible (source poses).
     pub carrier_world: Vec<Rigid>,
+    /// Joints below the carrier that turn otherwise than in the clip, each at most once.
+    pub turned: Vec<TurnedJoint>,
+}
+
+/// A joint with local rotations of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurnedJoint {
+    /// The joint; one that [`Clip::turns_freely`].
+    pub joint: JointId,
+    /// Its local rotation at each edited frame.
+    pub rotations: Vec<DQuat>,
 }
 
 impl EditedClip {
     /// Makes an edited clip that is the clip itself.
     pub fn unedited(clip: Arc<Clip>) -> Self {
         let source_frames = (0..clip.n_frames() as u32).collect();
-        Self { clip, source_frames, carrier_world: Vec::new() }
+        Self { clip, source_frames, carrier_world: Vec::new(), turned: Vec::new() }
     }
 
     /// Returns the number of edited frames.
@@ -47,16 +60,23 @@ impl EditedClip {
         }
     }
 
-    /// Returns the local rotations of all joints but the carrier's, which follows from where it is.
-    pub fn rotations(&self, frame: usize) -> &[DQuat] {
-        self.clip.rotations(self.source_frame(frame))
+    /// Returns a joint's local rotation; not for the carrier, whose rotation follows from where it is.
+    pub fn rotation(&self, frame: usize, joint: JointId) -> DQuat {
+        match self.turned.iter().find(|turned| turned.joint == joint) {
+            Some(turned) => turned.rotations[frame],
+            None => self.clip.rotations(self.source_frame(frame))[joint.idx()],
+        }
     }
 
     /// Fills `out` with the world motions of all joints.
     pub fn world_rigids(&self, frame: usize, out: &mut Vec<Rigid>) {
-        let placed = self.carrier_world.get(frame).map(|&world| (self.clip.facts.carrier.value, world));
+        let instead = Instead {
+            placed: self.carrier_world.get(frame).map(|&world| (self.clip.facts.carrier.value, world)),
+            turned: &self.turned,
+            turned_frame: frame,
+        };
         let file_frame = self.clip.file_frame(self.source_frame(frame));
-        kinematics::world_rigids(&self.clip.skeleton, &self.clip.poses, file_frame, placed, out);
+        kinematics::world_rigids_instead(&self.clip.skeleton, &self.clip.poses, file_frame, &instead, out);
     }
 
     /// Fills `out` with the world positions of all points: joints, then end sites.

@@ -1,6 +1,10 @@
 //! BVH → clip: the file's numbers, what they mean, and the one turn into y-up world space.
 
-use super::{Clip, ClipOptions, UpAxis, channels::FileMotion, facts};
+use super::{
+    Clip, ClipOptions, UpAxis,
+    channels::{FileMotion, JointChannels},
+    facts,
+};
 use crate::{
     bvh::Bvh,
     skeleton::{Joint, Skeleton},
@@ -32,7 +36,8 @@ impl Clip {
                 poses.premultiply(idx, up.world_rotation());
             }
         }
-        Self { skeleton: in_world(&motion.skeleton, up), frame_time_secs, facts, warnings, poses }
+        let turns_freely = motion.channels.iter().map(JointChannels::turns_freely).collect();
+        Self { skeleton: in_world(&motion.skeleton, up), frame_time_secs, facts, warnings, poses, turns_freely }
     }
 }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 use glam::{DQuat, DVec3};
 
 use super::{
+    TurnedJoint,
     lanes::{LANES, QuatLanes, VecLanes},
     poses::Poses,
     tracks::PointTracks,
@@ -17,20 +18,39 @@ use crate::{
     skeleton::{JointId, Skeleton},
 };
 
-/// Fills `out` with the world motions of all joints at one frame; `placed` says where one joint is instead.
-pub(super) fn world_rigids(
+/// What stands or turns otherwise than the poses say, at one frame.
+pub(super) struct Instead<'a> {
+    /// Where one joint is in the world.
+    pub(super) placed: Option<(JointId, Rigid)>,
+    /// Joints with local rotations of their own.
+    pub(super) turned: &'a [TurnedJoint],
+    /// Which of those rotations count.
+    pub(super) turned_frame: usize,
+}
+
+/// Fills `out` with the world motions of all joints at one frame.
+pub(super) fn world_rigids(skeleton: &Skeleton, poses: &Poses, frame: usize, out: &mut Vec<Rigid>) {
+    world_rigids_instead(skeleton, poses, frame, &Instead { placed: None, turned: &[], turned_frame: 0 }, out);
+}
+
+/// Fills `out` with the world motions of all joints at one frame, some of them otherwise than the poses say.
+pub(super) fn world_rigids_instead(
     skeleton: &Skeleton,
     poses: &Poses,
     frame: usize,
-    placed: Option<(JointId, Rigid)>,
+    instead: &Instead,
     out: &mut Vec<Rigid>,
 ) {
     out.clear();
     for (idx, joint) in skeleton.joints().iter().enumerate() {
-        let world = match (placed, joint.parent) {
+        let mut local = poses.local(frame, idx);
+        if let Some(turned) = instead.turned.iter().find(|turned| turned.joint.idx() == idx) {
+            local.rotation = turned.rotations[instead.turned_frame];
+        }
+        let world = match (instead.placed, joint.parent) {
             (Some((id, world)), _) if id.idx() == idx => world,
-            (_, Some(parent)) => out[parent.idx()] * poses.local(frame, idx),
-            (_, None) => poses.local(frame, idx),
+            (_, Some(parent)) => out[parent.idx()] * local,
+            (_, None) => local,
         };
         out.push(world);
     }

@@ -20,7 +20,7 @@ mod tracks;
 
 pub use channels::local_rotations;
 pub use clip::{CarrierRelative, Clip, carrier_relative};
-pub use edited::EditedClip;
+pub use edited::{EditedClip, TurnedJoint};
 pub use facts::{Decided, Facts};
 pub use legs::{Leg, LegNames, Side, find_legs};
 pub use options::{ClipOptions, OffsetMeaning, UpAxis};

@@ -1,4 +1,5 @@
-//! Edited clip → BVH: the source's characters, but for the carrier's channels where the carrier moved.
+//! Edited clip → BVH: the source's characters, but for the channels of the carrier where it moved and of the joints
+//! that turn otherwise.
 //!
 //! Values are written in the meaning they were read in (OFFSET replaced or added to), in the file's axes, in the
 //! joint's own rotation order and on the branch of angles that continues the frame before.
@@ -13,6 +14,7 @@ use super::{
 use crate::{
     bvh::{Bvh, Digits, RowEdit},
     math::Rigid,
+    skeleton::JointId,
 };
 
 /// No joint moves by more than this share of the body height when the written file is read again.
@@ -25,7 +27,8 @@ const ACCURACY: f64 = 1e-6;
 ///
 /// # Panics
 ///
-/// When the clip was not read from `bvh`, or its carrier is moved although its path cannot be edited.
+/// When the clip was not read from `bvh`, or its carrier is moved although its path cannot be edited, or a joint is
+/// turned that has not one rotation channel about each axis.
 pub fn to_bvh(bvh: &Bvh, edited: &EditedClip) -> Vec<u8> {
     let clip = &*edited.clip;
     if bvh.n_frames() == 0 {
@@ -34,16 +37,24 @@ pub fn to_bvh(bvh: &Bvh, edited: &EditedClip) -> Vec<u8> {
     assert_eq!(bvh.n_frames(), clip.n_file_frames(), "the clip was read from this file");
     let mut changes: Vec<(usize, f64)> = Vec::new();
     let mut rows: Vec<(usize, Range<usize>)> = (0..clip.rest_frames()).map(|row| (row, 0..0)).collect();
-    let mut writer = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip));
+    let is_edited = !edited.carrier_world.is_empty() || !edited.turned.is_empty();
+    let digits = if is_edited { digits(clip) } else { Digits { position_decimals: 6, rotation_decimals: 6 } };
+    let mut carrier = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip, digits));
+    let mut turned: Vec<_> =
+        edited.turned.iter().map(|t| (RotationWriter::new(bvh, clip, t.joint, digits), &t.rotations)).collect();
     for frame in 0..edited.n_frames() {
         let source_row = clip.file_frame(edited.source_frame(frame));
         let first = changes.len();
-        if let Some(writer) = &mut writer {
-            writer.write(bvh.frame(source_row), edited.source_frame(frame), edited.carrier_local(frame), &mut changes);
+        let source_frame = edited.source_frame(frame);
+        if let Some(writer) = &mut carrier {
+            writer.write(bvh.frame(source_row), source_frame, edited.carrier_local(frame), &mut changes);
         }
+        for (writer, rotations) in &mut turned {
+            writer.write(bvh.frame(source_row), source_frame, rotations[frame], &mut changes);
+        }
+        changes[first..].sort_unstable_by_key(|&(column, _)| column);
         rows.push((source_row, first..changes.len()));
     }
-    let digits = writer.map_or(Digits { position_decimals: 6, rotation_decimals: 6 }, |writer| writer.digits);
     let rows: Vec<RowEdit> =
         rows.into_iter().map(|(source_row, changed)| RowEdit { source_row, changed: &changes[changed] }).collect();
     bvh.write_rows(&rows, digits)
@@ -51,44 +62,29 @@ pub fn to_bvh(bvh: &Bvh, edited: &EditedClip) -> Vec<u8> {
 
 /// Turns the carrier's local transforms into its channels, frame after frame.
 struct CarrierWriter<'a> {
-    clip: &'a Clip,
-    channels: JointChannels,
-    /// Axes of the three rotation channels, in file order.
-    axes: [usize; 3],
-    /// Up axis to undo: the file's for a root, none below.
-    up: UpAxis,
+    rotation: RotationWriter<'a>,
     /// Added to the position channels on reading.
     base: DVec3,
-    digits: Digits,
-    /// Rotation channels of the frame written last.
-    last_degrees: Option<[f64; 3]>,
 }
 
 impl<'a> CarrierWriter<'a> {
-    fn new(bvh: &Bvh, clip: &'a Clip) -> Self {
+    fn new(bvh: &Bvh, clip: &'a Clip, digits: Digits) -> Self {
         assert!(clip.facts.path_editable, "only a carrier with six channels is moved");
-        let carrier = clip.facts.carrier.value;
-        let joint = &bvh.joints()[carrier.idx()];
-        let channels = JointChannels::new(&joint.channels, joint.first_channel);
-        let axes = std::array::from_fn(|i| channels.rotations[i].0);
-        let (up, meaning) = match joint.parent {
-            None => (clip.facts.up.value, clip.facts.root_offset.value),
-            Some(_) => (UpAxis::Y, clip.facts.joint_offsets.value),
-        };
-        let base = match meaning {
+        let rotation = RotationWriter::new(bvh, clip, clip.facts.carrier.value, digits);
+        let joint = clip.skeleton.joint(rotation.joint);
+        let meaning = if joint.parent.is_none() { &clip.facts.root_offset } else { &clip.facts.joint_offsets };
+        let base = match meaning.value {
             OffsetMeaning::Replace => DVec3::ZERO,
-            OffsetMeaning::Add => up.to_file(clip.skeleton.joint(carrier).offset),
+            OffsetMeaning::Add => rotation.up.to_file(joint.offset),
         };
-        Self { clip, channels, axes, up, base, digits: digits(clip), last_degrees: None }
+        Self { rotation, base }
     }
 
-    /// Appends the channels of one frame that differ from the source row, in rising order.
+    /// Appends the channels of one frame that differ from the source row.
     fn write(&mut self, row: &[f64], source_frame: usize, local: Rigid, changes: &mut Vec<(usize, f64)>) {
-        let source = self.clip.local(source_frame, self.clip.facts.carrier.value.idx());
-        let first = changes.len();
-        let position = self.up.to_file(local.translation) - self.base;
-        let unseen = half_a_digit(self.digits.position_decimals);
-        for (axis, column) in self.channels.positions.iter().enumerate() {
+        let position = self.rotation.up.to_file(local.translation) - self.base;
+        let unseen = half_a_digit(self.rotation.digits.position_decimals);
+        for (axis, column) in self.rotation.channels.positions.iter().enumerate() {
             let column = column.expect("the carrier has three position channels");
             // What is no number in the source is never within a digit, so it is written anew.
             let is_kept = (position[axis] - row[column]).abs() <= unseen;
@@ -96,11 +92,37 @@ impl<'a> CarrierWriter<'a> {
                 changes.push((column, position[axis]));
             }
         }
-        self.write_rotation(row, source.rotation, local.rotation, changes);
-        changes[first..].sort_unstable_by_key(|&(column, _)| column);
+        self.rotation.write(row, source_frame, local.rotation, changes);
+    }
+}
+
+/// Turns a joint's local rotations into its channels, frame after frame.
+struct RotationWriter<'a> {
+    clip: &'a Clip,
+    joint: JointId,
+    channels: JointChannels,
+    /// Axes of the three rotation channels, in file order.
+    axes: [usize; 3],
+    /// Up axis to undo: the file's for a root, none below.
+    up: UpAxis,
+    digits: Digits,
+    /// Rotation channels of the frame written last.
+    last_degrees: Option<[f64; 3]>,
+}
+
+impl<'a> RotationWriter<'a> {
+    fn new(bvh: &Bvh, clip: &'a Clip, id: JointId, digits: Digits) -> Self {
+        assert!(clip.turns_freely(id.idx()), "only a joint with a channel about each axis is turned");
+        let joint = &bvh.joints()[id.idx()];
+        let channels = JointChannels::new(&joint.channels, joint.first_channel);
+        let axes = std::array::from_fn(|i| channels.rotations[i].0);
+        let up = if joint.parent.is_none() { clip.facts.up.value } else { UpAxis::Y };
+        Self { clip, joint: id, channels, axes, up, digits, last_degrees: None }
     }
 
-    fn write_rotation(&mut self, row: &[f64], source: DQuat, rotation: DQuat, changes: &mut Vec<(usize, f64)>) {
+    /// Appends the channels of one frame that differ from the source row.
+    fn write(&mut self, row: &[f64], source_frame: usize, rotation: DQuat, changes: &mut Vec<(usize, f64)>) {
+        let source = self.clip.rotations(source_frame)[self.joint.idx()];
         let columns: [usize; 3] = std::array::from_fn(|i| self.channels.rotations[i].1);
         let source_degrees = columns.map(|column| row[column]);
         let unseen = half_a_digit(self.digits.rotation_decimals);

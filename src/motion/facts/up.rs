@@ -31,7 +31,7 @@ fn from_names(skeleton: &Skeleton, poses: &Poses) -> Option<Decided<UpAxis>> {
     let mut rigids = Vec::new();
     // 64 frames, evenly spread, are plenty for a mean direction.
     for frame in (0..poses.n_frames).step_by(poses.n_frames.div_ceil(64)) {
-        kinematics::world_rigids(skeleton, poses, frame, None, &mut rigids);
+        kinematics::world_rigids(skeleton, poses, frame, &mut rigids);
         let centre =
             |joints: &[usize]| joints.iter().map(|&j| rigids[j].translation).sum::<DVec3>() / joints.len() as f64;
         mean += (centre(&high) - centre(&low)).normalize_or_zero();

@@ -1,0 +1,23 @@
+//! Foot plants carried rigidly along a bent path (METHOD 6, steps 2 to 5).
+//!
+//! Plain path editing turns and moves the whole body frame by frame, so planted feet slide. Here each plant gets *one*
+//! rigid motion: the foot is carried as one piece, with the performer's own heel strike, roll and toe-off in it. The
+//! legs follow by two-bone IK; where they would become too long or their knees would turn otherwise than the
+//! performer's, the carrier gives way by a smooth offset.
+//!
+//! ```text
+//! clip, legs, plants ─▶ Prepared ─┐
+//! plain path edit ─▶ Job ─────────┴▶ targets of the feet ─▶ offset of the carrier ─▶ two-bone IK ─▶ Held
+//! ```
+//!
+//! [`Prepared`] holds what follows from the source alone; [`hold`] is what runs on every key press.
+
+mod banded;
+mod feet;
+mod hold;
+mod offset;
+mod prepared;
+mod two_bone;
+
+pub use hold::{Footprint, Ground, Held, Job, Missed, hold};
+pub use prepared::Prepared;
