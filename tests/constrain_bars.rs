@@ -188,6 +188,6 @@ proptest! {
         let numbers = measure(subject, &held);
         prop_assert!(numbers.bones < 1e-9, "{numbers:?}");
         // A path of any sharpness may ask too much of the legs; then it is said.
-        prop_assert!(held.missed.len() > 0 || ramp || (numbers.slip < 1.05 && numbers.planted_speed < 1.02), "{numbers:?}");
+        prop_assert!(!held.missed.is_empty() || ramp || (numbers.slip < 1.05 && numbers.planted_speed < 1.02), "{numbers:?}");
     }
 }

@@ -174,11 +174,11 @@ impl Held {
     fn bend(&mut self, idx: usize, leg: &PreparedLeg, plan: &FootPlan, ease: &[f64], height: f64) {
         let n = self.carrier.len();
         let [mut hips, mut knees, mut ankles] = [0; 3].map(|_| Vec::with_capacity(n));
-        for frame in 0..n {
+        for (frame, &ease) in ease.iter().enumerate().take(n) {
             let (source, carrier) = (&leg.frames[frame], &self.carrier[frame]);
             let back = carrier.rotation.conjugate();
             let wanted = back * (plan.ankle[frame].translation - carrier.translation) - source.hip;
-            let target = eased(source, wanted, ease[frame]);
+            let target = eased(source, wanted, ease);
             let turns = TwoBone { thigh: source.thigh, shin: source.shin, hinge: source.hinge, target }.solve();
             let local = |parent: DQuat, world: DQuat| parent.conjugate() * world;
             hips.push(local(source.hip_parent, turns.hip * source.hip_rotation));

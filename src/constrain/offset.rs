@@ -142,11 +142,11 @@ impl Spline {
         const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
         let price = SMOOTHNESS / knot_secs.powi(5);
         for first in 0..self.n_points - 3 {
-            for k in 0..4 {
-                for l in 0..=k {
+            for (k, row_share) in THIRD.into_iter().enumerate() {
+                for (l, column_share) in THIRD.into_iter().enumerate().take(k + 1) {
                     for axis in 0..3 {
                         let (row, column) = (3 * (first + k) + axis, 3 * (first + l) + axis);
-                        matrix.add(row, column, price * THIRD[k] * THIRD[l]);
+                        matrix.add(row, column, price * row_share * column_share);
                     }
                 }
             }
