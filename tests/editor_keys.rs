@@ -240,6 +240,11 @@ fn projects_and_clips_are_written_and_never_overwritten_unasked() {
     let bytes = std::fs::read(&clip).expect("exported");
     assert_eq!(bytes, e.document().solved().to_bvh());
 
+    let bare = folder.path().join("bare");
+    e.keys(&format!("A{}<enter>", type_name(&bare)));
+    assert_eq!(e.document().project(), Some(folder.path().join("bare.toml").as_path()), "it opens again as a project");
+    e.keys(&format!("A{}<enter>y", type_name(&project)));
+
     let opened = document::open(Some(&project)).expect("the project opens");
     assert_eq!(opened.edits, **e.document().edits());
 

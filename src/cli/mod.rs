@@ -20,7 +20,7 @@ use std::{
 
 pub use args::{Args, Clip, Verb};
 
-use crate::document::{self, Change, ChangeError, Document, OpenError, SetError};
+use crate::document::{self, Change, ChangeError, Document, OpenError};
 
 /// A headless run that failed.
 #[derive(Debug, thiserror::Error)]
@@ -49,8 +49,7 @@ impl Failure {
     /// Returns the exit status.
     fn status(&self) -> u8 {
         match self {
-            Self::Usage(_)
-            | Self::Change(ChangeError::Parameter(SetError::Unknown { .. } | SetError::Value { .. })) => 2,
+            Self::Usage(_) | Self::Change(ChangeError::Parameter(_)) => 2,
             _ => 1,
         }
     }

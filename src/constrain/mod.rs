@@ -10,7 +10,7 @@
 //! plain path edit ─▶ Job ─────────┴▶ targets of the feet ─▶ offset of the carrier ─▶ two-bone IK ─▶ Held
 //! ```
 //!
-//! [`Prepared`] holds what follows from the source alone; [`hold`] is what runs on every key press.
+//! [`Prepared`] holds what follows from the source alone; [`hold()`] is what runs on every key press.
 
 mod banded;
 mod feet;

@@ -99,6 +99,10 @@ pub(super) fn save(project: &Project, file: &Path) -> Result<(), OpenError> {
 pub fn write_file(file: &Path, bytes: &[u8]) -> Result<(), OpenError> {
     let fail = |source: std::io::Error| OpenError::Write { file: file.display().to_string(), why: source.to_string() };
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let why = format!("there is no folder {}", folder.display());
+        return Err(OpenError::Write { file: file.display().to_string(), why });
+    }
     let mut builder = tempfile::Builder::new();
     // A temporary file is private by default; this one becomes the user's, with the mode any new file gets.
     #[cfg(unix)]

@@ -24,7 +24,7 @@ const FOLLOW_HEIGHTS: f64 = 0.9;
 /// Presets frame for pictures at least this wide for their height.
 const ASPECT: f64 = 1.5;
 /// Room left around what is framed.
-const ROOM: f64 = 1.12;
+const ROOM: f64 = 1.2;
 
 /// A preset in world space, at rest: following not yet applied.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,7 +20,7 @@ use std::{
 };
 
 use crate::{
-    document::{Change, Document, parse_assignment},
+    document::{Change, Document, EXTENSION, parse_assignment},
     key::Key,
     scene::Scene,
 };
@@ -157,9 +157,11 @@ impl Editor {
         }
     }
 
-    /// Shows a frame, counted in what would be exported; rest frames show the first frame after them.
+    /// Shows a frame, counted in what would be exported: rest frames first.
     pub fn show_exported_frame(&mut self, frame_idx: usize) {
-        self.view.jump(frame_idx.saturating_sub(self.document.solved().clip.rest_frames()));
+        let rest = self.document.solved().clip.rest_frames();
+        self.view.jump(frame_idx.saturating_sub(rest));
+        self.view.rest_frame = (frame_idx < rest).then_some(frame_idx);
         self.follow_document();
     }
 
@@ -234,7 +236,7 @@ impl Editor {
                 Some(to) => self.change("type", &Change::PlacePoint { point_idx: *point_idx, to }),
                 None => self.say(Message::error(format!("expected three numbers x y z, found `{text}`"))),
             },
-            Asking::Save => self.ask_or(text, Asking::OverwriteSave, Self::save_to),
+            Asking::Save => self.ask_or(&as_project_name(text), Asking::OverwriteSave, Self::save_to),
             Asking::Export => self.ask_or(text, Asking::OverwriteExport, Self::export_to),
             Asking::OverwriteSave(file) if text.starts_with('y') => self.save_to(&file.clone()),
             Asking::OverwriteExport(file) if text.starts_with('y') => self.export_to(&file.clone()),
@@ -266,10 +268,18 @@ impl Editor {
     fn export_to(&mut self, file: &Path) {
         match self.document.export(file) {
             Ok(()) => {
-                let n = self.document.solved().edited.n_frames();
-                self.say(Message::note(format!("exported {n} frames to {}", file.display())));
+                let n = self.document.solved().n_exported_frames();
+                let frames = if n == 1 { "frame" } else { "frames" };
+                self.say(Message::note(format!("exported {n} {frames} to {}", file.display())));
             }
             Err(error) => self.say(Message::error(error.to_string())),
         }
     }
+}
+
+/// Gives a project's file name the ending that opens it again.
+fn as_project_name(text: &str) -> String {
+    let name = text.trim();
+    let ending = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION));
+    if ending || name.is_empty() { name.to_owned() } else { format!("{name}.{EXTENSION}") }
 }

@@ -14,7 +14,7 @@ use super::{
     view::ViewState,
 };
 use crate::{
-    document::{Document, Edits, ProjectionKind, Solved},
+    document::{Document, Edits, ProjectionKind, Show, Solved},
     scene::{Curve, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
 };
 
@@ -140,6 +140,16 @@ fn traces(solved: &Solved) -> Vec<Vec<DVec3>> {
     trails
 }
 
+/// Fills in where both actors' points are.
+fn poses(solved: &Solved, show: Show, frame_idx: usize, original: &mut Vec<DVec3>, edited: &mut Vec<DVec3>) {
+    if show.original_skeleton {
+        solved.clip.world_points(solved.source_frame(frame_idx), original);
+    }
+    if show.new_skeleton {
+        solved.edited.world_points(frame_idx, edited);
+    }
+}
+
 /// Builds the picture of this moment.
 pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) -> Scene {
     let solved = document.solved();
@@ -147,11 +157,15 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
     let height = solved.clip.facts.height.value;
     let frame_idx = view.frame_idx;
     let (mut original, mut edited) = (Vec::new(), Vec::new());
-    if show.original_skeleton {
-        solved.clip.world_points(solved.source_frame(frame_idx), &mut original);
-    }
-    if show.new_skeleton {
-        solved.edited.world_points(frame_idx, &mut edited);
+    if let Some(file_frame) = view.rest_frame {
+        // Before the motion begins both stand as the file has them.
+        for (shown, points) in [(show.original_skeleton, &mut original), (show.new_skeleton, &mut edited)] {
+            if shown {
+                solved.clip.world_points_of_file(file_frame, points);
+            }
+        }
+    } else {
+        poses(solved, show, frame_idx, &mut original, &mut edited);
     }
     let mut marks = Vec::new();
     let mut tracker = |role, at| marks.push(Mark { role, at, radius: TRACKER_RADIUS * height });
@@ -196,7 +210,7 @@ fn caption(solved: &Solved, view: &ViewState) -> String {
     format!(
         "{}  frame {} of {}  {:.2} s  {}",
         solved.source.name,
-        view.frame_idx + rest,
+        view.rest_frame.unwrap_or(view.frame_idx + rest),
         solved.edited.n_frames() + rest,
         view.frame_idx as f64 * solved.clip.frame_time_secs,
         if view.playing { "playing" } else { "paused" },

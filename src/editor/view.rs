@@ -48,6 +48,8 @@ impl Message {
 pub struct ViewState {
     /// Edited frame shown.
     pub frame_idx: usize,
+    /// Rest frame of the file shown in place of `frame_idx`; only pictures asked for by number show one.
+    pub rest_frame: Option<usize>,
     /// Whether the playhead moves by itself.
     pub playing: bool,
     /// Time since the shown frame began, in clip time, seconds.
@@ -72,6 +74,7 @@ impl ViewState {
     pub(super) fn new(solved: &Solved) -> Self {
         Self {
             frame_idx: 0,
+            rest_frame: None,
             playing: false,
             carried_secs: 0.0,
             tab_idx: 0,
@@ -119,6 +122,7 @@ impl ViewState {
     /// Shows another frame and stays there.
     pub(super) fn jump(&mut self, frame_idx: usize) {
         self.frame_idx = frame_idx;
+        self.rest_frame = None;
         self.carried_secs = 0.0;
     }
 }

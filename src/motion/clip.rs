@@ -84,6 +84,13 @@ impl Clip {
         kinematics::points(&self.skeleton, &rigids, out);
     }
 
+    /// Fills `out` with the world positions of all points at a frame of the file, rest frames counted.
+    pub fn world_points_of_file(&self, file_frame: usize, out: &mut Vec<DVec3>) {
+        let mut rigids = Vec::with_capacity(self.skeleton.n_joints());
+        kinematics::world_rigids(&self.skeleton, &self.poses, file_frame, &mut rigids);
+        kinematics::points(&self.skeleton, &rigids, out);
+    }
+
     /// Returns where the carrier is at a frame, in the world.
     pub fn carrier_world(&self, frame: usize) -> Rigid {
         kinematics::world_of(&self.skeleton, &self.poses, self.file_frame(frame), self.facts.carrier.value)

@@ -111,7 +111,10 @@ fn draw_title(buf: &mut Buffer, area: Rect, editor: &Editor, around: &Surroundin
     let document = editor.document();
     let unsaved = if document.is_modified() { " · unsaved" } else { "" };
     let left = format!("walkabout · {}{unsaved}", document.solved().source.name);
-    StatusLine { left: &left, right: around.window_line, style: around.palette.title() }.render(area, buf);
+    // What the window is about matters on narrow terminals too: it is cut short rather than left out.
+    let room = usize::from(area.width).saturating_sub(text::width(&left) + 2);
+    StatusLine { left: &left, right: &text::fit(around.window_line, room), style: around.palette.title() }
+        .render(area, buf);
 }
 
 fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, around: &Surroundings<'_>) {
