@@ -22,7 +22,7 @@
 //!
 //! # The flow of one change
 //!
-//! `+` on *control points*: crossterm event → [`key::Key`] → keymap → [`editor::Command`] → the next
+//! `+` on *control points*: terminal bytes → [`key::Key`] → keymap → [`editor::Command`] → the next
 //! [`document::Edits`] → [`document::solve()`] → `Arc<Solved>` → [`scene::Scene`] → the terminal draws, and the link
 //! hands the scene to the preview process. Each arrow points down once; nothing comes back up.
 //!

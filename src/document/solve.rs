@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A stage whose input equals its previous input hands its previous output on, so equality of inputs is all there is
-//! to it: upstream stages are compared by pointer, settings by value. Foot plants, joined cycles and displacement
-//! maps will be stages between the edited clip and the measures.
+//! to it: upstream stages are compared by pointer, settings by value. Held plants, joined cycles and
+//! displacement maps will be stages between the edited clip and the measures.
 
 use std::sync::Arc;
 
