@@ -22,6 +22,9 @@ use crate::tui::{Screen, Terminal};
 /// How long the event loop has to end after the first request.
 const GRACE: Duration = Duration::from_millis(800);
 
+/// How long after SIGCONT a signal sent before it may still be on its way.
+const SETTLE: Duration = Duration::from_millis(10);
+
 /// What a signal asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalEvent {
@@ -47,7 +50,12 @@ pub fn watch(screen: Screen, mut send: impl FnMut(SignalEvent) + Send + 'static)
         let mut ending = false;
         loop {
             let mut events: Vec<_> = signals.wait().filter_map(event).collect();
-            // A stopped job is killed by SIGTERM and SIGCONT together: it must not take the terminal first.
+            // A stopped job is killed by SIGTERM and SIGCONT together, which may arrive on two threads: it must neither
+            // take the terminal nor stop again first.
+            if events.contains(&SignalEvent::Resume) {
+                thread::sleep(SETTLE);
+                events.extend(signals.pending().filter_map(event));
+            }
             events.sort_by_key(|event| !matches!(event, SignalEvent::Terminate { .. }));
             for event in events {
                 if let SignalEvent::Terminate { exit_code } = event {

@@ -28,6 +28,9 @@ use crate::key::{Code, Key};
 /// After this long without another byte, an Escape was the Escape key.
 const ESCAPE_WAIT: Duration = Duration::from_millis(50);
 
+/// How often a job in the background looks whether it has the keyboard again.
+const BACKGROUND_WAIT: Duration = Duration::from_millis(20);
+
 /// What the terminal tells us.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum InputEvent {
@@ -106,7 +109,11 @@ impl<F: FnMut(InputEvent) -> bool> Reader<F> {
             if self.stop.load(Ordering::Relaxed) {
                 return;
             }
-            if keyboard.intersects(PollFlags::IN) {
+            if keyboard == PollFlags::IN && !self.screen.in_foreground() {
+                // Continued in the background: the bytes are the shell's, and reading them would stop the process
+                // before it hears why it was continued.
+                thread::sleep(BACKGROUND_WAIT);
+            } else if keyboard.intersects(PollFlags::IN) {
                 match self.read() {
                     Ok(true) => may_be_escape = true,
                     Ok(false) => return self.hang_up(),

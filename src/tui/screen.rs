@@ -138,9 +138,10 @@ impl Screen {
         self.found().is_some()
     }
 
-    /// Tells whether the terminal listens to this job; a job continued in the background must not touch it.
+    /// Tells whether the terminal listens to this job; a job continued in the background must not touch it. A terminal
+    /// that controls no jobs listens to everybody.
     pub fn in_foreground(&self) -> bool {
-        tcgetpgrp(self.keyboard()).is_ok_and(|group| group == getpgrp())
+        tcgetpgrp(self.keyboard()).map_or(true, |group| group == getpgrp())
     }
 
     /// Returns the terminal's size in columns and rows, 80×24 when it does not know.
