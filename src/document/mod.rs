@@ -8,6 +8,7 @@ mod edits;
 mod feet;
 mod files;
 mod history;
+mod holding;
 mod parameter;
 mod project;
 mod solve;
@@ -26,6 +27,7 @@ pub use edits::{
 pub use feet::Feet;
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use history::History;
+pub use holding::Holding;
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
 pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
