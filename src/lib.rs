@@ -14,7 +14,7 @@
 //! | 7 | [`tui`], [`viewport`], [`link`] | editor → cells, terminal events → keys · scene → pixels, window events → keys · scenes and events over a byte stream |
 //! | 6 | [`editor`] | commands, keymap, view state; builds the scene; knows no terminal and no GPU |
 //! | 5 | [`document`], [`scene`] | edits, undo, the solve, project files · a picture as plain data that can travel |
-//! | 4 | [`constrain`], [`measure`] | feet that stay planted · quality numbers |
+//! | 4 | [`constrain`], [`cycle`], [`measure`] | feet that stay planted · loop finder and joined cycles · quality numbers |
 //! | 3 | [`path`], [`contact`] | path out of and into a clip · plant detection |
 //! | 2 | [`motion`] | clips, poses, kinematics; conversion from and to BVH |
 //! | 1 | [`curve`], [`bvh`], [`skeleton`] | polynomial fit, B-spline, arc length · the file as it is, losslessly · joint tree |
@@ -38,6 +38,7 @@ pub mod cli;
 pub mod constrain;
 pub mod contact;
 pub mod curve;
+pub mod cycle;
 pub mod document;
 pub mod editor;
 pub mod key;

@@ -7,6 +7,9 @@ use crate::{math::Rigid, motion::EditedClip};
 /// Frames read before and after a seam: enough for a velocity step that does not touch it on either side.
 const REACH: usize = 4;
 
+/// A step shorter than this, body heights, is rounding.
+const LEAST_STEP: f64 = 1e-9;
+
 /// Steps over a seam: the largest over all joints, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seam {
@@ -28,35 +31,50 @@ pub struct Seam {
 
 /// Measures every seam; `height` is `H` in the clip's unit.
 pub(super) fn seams(edited: &EditedClip, seams: &[usize], height: f64) -> Vec<Seam> {
-    seams.iter().map(|&frame| seam(edited, frame, height)).collect()
+    seams.iter().map(|&frame| Seam::at(edited, frame, height)).collect()
 }
 
-fn seam(edited: &EditedClip, frame: usize, height: f64) -> Seam {
-    let first = frame.saturating_sub(REACH);
-    let poses: Vec<Vec<Rigid>> = (first..(frame + REACH).min(edited.n_frames()))
-        .map(|f| {
-            let mut pose = Vec::new();
-            edited.world_rigids(f, &mut pose);
-            pose
-        })
-        .collect();
-    let at = frame - first;
-    let per_sec = edited.clip.frame_time_secs.recip();
-    let larger = |a: Option<f64>, b: Option<f64>| a.unwrap_or(0.0).max(b.unwrap_or(0.0));
-    let velocity = |k: usize| velocity_step(&poses, k).map(|step| step * per_sec / height);
-    let position = |k: usize| position_step(&poses, k).map(|step| step / height);
-    Seam {
-        frame,
-        position: position(at).unwrap_or(0.0),
-        rotation: rotation_step(&poses, at).unwrap_or(0.0),
-        velocity: velocity(at).unwrap_or(0.0),
-        neighbour_position: larger(at.checked_sub(1).and_then(position), position(at + 1)),
-        neighbour_rotation: larger(
-            at.checked_sub(1).and_then(|k| rotation_step(&poses, k)),
-            rotation_step(&poses, at + 1),
-        ),
-        // Two frames off, so that none of the four frames of a velocity step lies across the seam.
-        neighbour_velocity: larger(at.checked_sub(2).and_then(velocity), velocity(at + 2)),
+impl Seam {
+    /// A seam is not seen when no joint moves further into it than this many times its largest step nearby.
+    pub const BAR: f64 = 1.5;
+
+    /// Measures the seam before a frame; `height` is `H` in the clip's unit.
+    ///
+    /// Steps that would reach beyond the clip count as none.
+    pub fn at(edited: &EditedClip, frame: usize, height: f64) -> Self {
+        let first = frame.saturating_sub(REACH);
+        let poses: Vec<Vec<Rigid>> = (first..(frame + REACH).min(edited.n_frames()))
+            .map(|f| {
+                let mut pose = Vec::new();
+                edited.world_rigids(f, &mut pose);
+                pose
+            })
+            .collect();
+        let at = frame - first;
+        let per_sec = edited.clip.frame_time_secs.recip();
+        let larger = |a: Option<f64>, b: Option<f64>| a.unwrap_or(0.0).max(b.unwrap_or(0.0));
+        let velocity = |k: usize| velocity_step(&poses, k).map(|step| step * per_sec / height);
+        let position = |k: usize| position_step(&poses, k).map(|step| step / height);
+        Self {
+            frame,
+            position: position(at).unwrap_or(0.0),
+            rotation: rotation_step(&poses, at).unwrap_or(0.0),
+            velocity: velocity(at).unwrap_or(0.0),
+            neighbour_position: larger(at.checked_sub(1).and_then(position), position(at + 1)),
+            neighbour_rotation: larger(
+                at.checked_sub(1).and_then(|k| rotation_step(&poses, k)),
+                rotation_step(&poses, at + 1),
+            ),
+            // Two frames off, so that none of the four frames of a velocity step lies across the seam.
+            neighbour_velocity: larger(at.checked_sub(2).and_then(velocity), velocity(at + 2)),
+        }
+    }
+
+    /// Returns the step over the seam, over the larger of those beside it: at most [`Self::BAR`] for one that is not
+    /// seen.
+    pub fn position_share(&self) -> f64 {
+        // Where nothing moves, a step that is rounding is no step.
+        self.position / self.neighbour_position.max(LEAST_STEP)
     }
 }
 

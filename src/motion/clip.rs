@@ -7,6 +7,7 @@ use std::ops::Range;
 use glam::{DQuat, DVec3};
 
 use super::{
+    EditedClip,
     facts::Facts,
     kinematics::{self, Walk},
     poses::Poses,
@@ -35,6 +36,19 @@ pub struct Clip {
 }
 
 impl Clip {
+    /// Makes a clip of what an edited clip shows: the same skeleton and facts, rest frames as they were, then its frames.
+    pub fn rearranged(edited: &EditedClip) -> Self {
+        let clip = &*edited.clip;
+        Self {
+            skeleton: clip.skeleton.clone(),
+            frame_time_secs: clip.frame_time_secs,
+            facts: clip.facts.clone(),
+            warnings: clip.warnings.clone(),
+            poses: edited.poses(),
+            turns_freely: clip.turns_freely.clone(),
+        }
+    }
+
     /// Returns the number of frames, rest frames not counted; at least 1.
     pub fn n_frames(&self) -> usize {
         self.poses.n_frames - self.rest_frames()

@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3};
 use super::{
     Clip,
     kinematics::{self, Instead},
+    poses::Poses,
 };
 use crate::{math::Rigid, skeleton::JointId};
 
@@ -98,5 +99,26 @@ impl EditedClip {
                 kinematics::world_of(&self.clip.skeleton, &self.clip.poses, file_frame, parent).inverse() * world
             }
         }
+    }
+
+    /// Returns the local transforms of the clip's rest frames and of all edited frames.
+    pub(super) fn poses(&self) -> Poses {
+        let clip = &self.clip;
+        let rest = 0..clip.rest_frames();
+        let edited = self.source_frames.iter().map(|&frame| clip.file_frame(frame as usize));
+        let mut poses = clip.poses.rearranged(rest.chain(edited));
+        let carrier = clip.facts.carrier.value.idx();
+        for frame in 0..self.n_frames() {
+            let file_frame = clip.file_frame(frame);
+            for turned in &self.turned {
+                poses.set_rotation(file_frame, turned.joint.idx(), turned.rotations[frame]);
+            }
+            if !self.carrier_world.is_empty() {
+                let local = self.carrier_local(frame);
+                poses.set_rotation(file_frame, carrier, local.rotation);
+                poses.set_translation(file_frame, carrier, local.translation);
+            }
+        }
+        poses
     }
 }

@@ -44,6 +44,39 @@ impl Poses {
         Rigid::new(self.rotations[frame * self.n_joints + joint], self.translation(frame, joint))
     }
 
+    /// Returns the same joints with these frames, one after the other.
+    pub(super) fn rearranged(&self, frames: impl Iterator<Item = usize>) -> Self {
+        let mut poses = Self {
+            n_frames: 0,
+            rotations: Vec::new(),
+            translations: Vec::new(),
+            columns: self.columns.clone(),
+            fixed: self.fixed.clone(),
+            ..*self
+        };
+        for frame in frames {
+            poses.n_frames += 1;
+            poses.rotations.extend_from_slice(self.rotations(frame));
+            poses.translations.extend_from_slice(&self.translations[frame * self.n_columns..][..self.n_columns]);
+        }
+        poses
+    }
+
+    /// Turns a joint at one frame.
+    pub(super) fn set_rotation(&mut self, frame: usize, joint: usize, rotation: DQuat) {
+        self.rotations[frame * self.n_joints + joint] = rotation;
+    }
+
+    /// Moves a joint at one frame.
+    ///
+    /// # Panics
+    ///
+    /// When the joint has no position channel.
+    pub(super) fn set_translation(&mut self, frame: usize, joint: usize, translation: DVec3) {
+        let column = self.columns[joint].expect("a joint that moves has position channels");
+        self.translations[frame * self.n_columns + column] = translation;
+    }
+
     /// Applies a rotation after a joint's local transform, at every frame.
     pub(super) fn premultiply(&mut self, joint: usize, rotation: DQuat) {
         for row in self.rotations.chunks_exact_mut(self.n_joints) {
