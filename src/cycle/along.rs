@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_path_goes_on_as_it_ended() {
-        let at = |z: f64| PathFrame { point: DVec3::new(0.0, 1.0, z), heading_rad: 0.1 * z, slope_rad: 0.0 };
+        let at = |z: f64| PathFrame { point: DVec3::new(0.0, 1.0, z), heading_rad: 0.125 * z, slope_rad: 0.0 };
         let (path, progress) = ([at(0.0), at(1.0), at(3.0)], [0.0, 1.0, 3.0]);
         let along = Along::new(&path, &progress);
         assert_eq!((along.frame(2), along.progress(2)), (at(3.0), 3.0));

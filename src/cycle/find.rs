@@ -69,6 +69,13 @@ pub struct Mismatch {
     pub phase: Option<f64>,
 }
 
+impl std::fmt::Display for Mismatch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "pose {:.3} H, velocity {:.2} H/s", self.pose, self.velocity)?;
+        self.phase.map_or(Ok(()), |phase| write!(f, ", phase {phase:.2}"))
+    }
+}
+
 /// Everything that loops are found in.
 #[derive(Clone, Copy, Debug)]
 pub struct LoopFinder<'a> {
@@ -100,6 +107,17 @@ impl LoopFinder<'_> {
             }
         }
         best
+    }
+
+    /// Finds the best end of a range that begins at a frame; none where no range can begin. Linear in frames.
+    pub fn best_end(&self, first: usize) -> Option<usize> {
+        let ends = first + 1..=self.clip.n_frames();
+        Bodies::new(self).best_of(ends.map(|end| LoopRange { first, end })).map(|range| range.end)
+    }
+
+    /// Finds the best first frame of a range that ends before a frame; none where no range can end. Linear in frames.
+    pub fn best_first(&self, end: usize) -> Option<usize> {
+        Bodies::new(self).best_of((0..end).map(|first| LoopRange { first, end })).map(|range| range.first)
     }
 
     /// Tells how far the ends of a range are apart.
@@ -192,6 +210,11 @@ impl<'a> Bodies<'a> {
 
     fn paused_share(&self, range: LoopRange) -> f64 {
         f64::from(self.paused[range.end] - self.paused[range.first]) / range.n_frames() as f64
+    }
+
+    fn best_of(&self, ranges: impl Iterator<Item = LoopRange>) -> Option<LoopRange> {
+        let costs = ranges.filter(|&range| self.admits(range)).map(|range| (self.cost(range), range));
+        costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, range)| range)
     }
 
     /// First pass: the best ranges among frames evenly over the clip, their frames and the step from one to the next.

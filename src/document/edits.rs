@@ -26,6 +26,8 @@ pub struct Edits {
     pub path: PathEdits,
     /// Speed along the new path.
     pub timing: TimingEdits,
+    /// What blended cycling repeats.
+    pub loops: LoopEdits,
     /// How foot plants are found and held.
     pub plants: PlantsEdits,
     /// What is drawn and from where; saved with a project, outside undo.
@@ -120,6 +122,23 @@ pub struct TimingEdits {
 impl Default for TimingEdits {
     fn default() -> Self {
         Self { arc_length: true, integrator: Integrator::Gauss, step: 0.001, cycling: Cycling::Off, speed: 1.0 }
+    }
+}
+
+/// `loop.*`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopEdits {
+    /// First file frame of the loop; none: the best one found.
+    pub start: Option<usize>,
+    /// File frame after the loop's last one; none: the best one found.
+    pub end: Option<usize>,
+    /// Time on each side of a seam over which its mismatch is spread, seconds, 0 to 2.
+    pub blend: f64,
+}
+
+impl Default for LoopEdits {
+    fn default() -> Self {
+        Self { start: None, end: None, blend: 0.2 }
     }
 }
 

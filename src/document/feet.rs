@@ -3,8 +3,9 @@
 use crate::{
     constrain::Prepared,
     contact::{Detection, FootPlants, PlantMode, Thresholds},
+    cycle::Joined,
     measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed, Turning},
-    motion::{Clip, ClipOptions, Decided, EditedClip, Leg, legs::find_legs},
+    motion::{Clip, ClipOptions, Decided, Leg, PointTracks, legs::find_legs},
 };
 
 /// The feet of the source clip.
@@ -35,6 +36,11 @@ impl Feet {
         Self { legs, plants, warnings }
     }
 
+    /// Returns the feet of a clip joined to itself.
+    pub(super) fn joined(&self, joined: &Joined) -> Self {
+        Self { legs: self.legs.clone(), plants: joined.plants(&self.plants), warnings: Vec::new() }
+    }
+
     /// Prepares the legs to be held; `clean` removes the feet's own slide from plants that are only to be held.
     pub(super) fn prepared(&self, clip: &Clip, clean: bool) -> Prepared {
         let mut feet = self.plants.clone();
@@ -51,16 +57,28 @@ impl Feet {
         Turning::of(clip, prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]))
     }
 
-    /// Measures each foot, source beside edited, in the order of the legs.
-    pub(super) fn numbers(&self, clip: &Clip, body: &Body, placed: &Placed, edited: &EditedClip) -> Vec<FootNumbers> {
+    /// Returns where an edit puts the points that are measured: ankle and toe of each leg.
+    pub(super) fn moved(&self, body: &Body, placed: &Placed) -> PointTracks {
         let points: Vec<usize> = self.legs.value.iter().flat_map(|leg| [leg.ankle.idx(), leg.toe]).collect();
-        let moved = body.points(&points, placed);
+        body.points(&points, placed)
+    }
+
+    /// Measures each foot, source beside edited, in the order of the legs.
+    ///
+    /// `moved` is where the edit has their points; each frame shows the clip's frame of that index in `source_frames`.
+    pub(super) fn numbers(
+        &self,
+        clip: &Clip,
+        body: &Body,
+        moved: &PointTracks,
+        source_frames: &[u32],
+    ) -> Vec<FootNumbers> {
         let source = body.tracks();
         let measure = |(idx, foot): (usize, &FootPlants)| {
             FootMeasure {
                 source: FootTracks { ankle: source.track(foot.leg.ankle.idx()), toe: source.track(foot.leg.toe) },
                 edited: FootTracks { ankle: moved.track(2 * idx), toe: moved.track(2 * idx + 1) },
-                source_frames: &edited.source_frames,
+                source_frames,
                 plants: &foot.plants,
                 frame_time_secs: clip.frame_time_secs,
                 height: clip.facts.height.value,

@@ -7,7 +7,7 @@ use crate::{
     constrain::{Footprint, Ground, Held, Job, Missed, Prepared, hold},
     math::Rigid,
     motion::{Clip, EditedClip},
-    path::{NewPath, OriginalPath, PathFrame, Residuals, Timing},
+    path::{NewPath, PathFrame, Residuals, Timing},
 };
 use std::sync::Arc;
 
@@ -27,11 +27,14 @@ pub struct Holding {
 pub(super) struct Carriage<'a> {
     pub(super) clip: &'a Arc<Clip>,
     pub(super) residuals: &'a Residuals,
-    pub(super) original: &'a OriginalPath,
+    /// The original path's frame at each of its frames.
+    pub(super) original: &'a [PathFrame],
     /// Arc length of each frame on the original path.
     pub(super) progress: &'a [f64],
     pub(super) new_path: &'a NewPath,
     pub(super) timing: &'a Timing,
+    /// Edited frames at which it starts again from its first frame.
+    pub(super) restarts: &'a [usize],
 }
 
 impl Carriage<'_> {
@@ -56,12 +59,12 @@ impl Carriage<'_> {
             turned: Vec::new(),
         };
         let mut holding = Holding::default();
-        let starts = std::iter::once(0).chain(self.timing.seams.iter().copied());
-        let ends = self.timing.seams.iter().copied().chain([n]);
+        let starts = std::iter::once(0).chain(self.restarts.iter().copied());
+        let ends = self.restarts.iter().copied().chain([n]);
         for (first, end) in starts.zip(ends) {
             let path = self.whole_cycle(first, end);
             let carrier: Vec<Rigid> = path.iter().enumerate().map(|(f, at)| self.residuals.apply(f, at)).collect();
-            let job = Job { carrier: &carrier, path: &path, original: self.original.frames(), ground };
+            let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
             append(&mut edited, &mut holding, hold(prepared, &job), first, end);
         }
         (edited, holding)

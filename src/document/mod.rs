@@ -15,14 +15,15 @@ mod solve;
 mod solved;
 mod source;
 mod table;
+mod walked;
 
 use std::{path::Path, path::PathBuf, sync::Arc};
 
 pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
-    CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, PlantsEdits, ProjectionKind, ResidualEdits,
-    Show, TimingEdits, ViewEdits,
+    CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, ProjectionKind,
+    ResidualEdits, Show, TimingEdits, ViewEdits,
 };
 pub use feet::Feet;
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
@@ -34,6 +35,7 @@ pub use solve::solve;
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
 pub use table::{PARAMETERS, parameter};
+pub use walked::{Loops, Repeat, Walked};
 
 /// A source being edited: its history and its newest result.
 #[derive(Clone, Debug)]

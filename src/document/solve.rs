@@ -1,12 +1,14 @@
 //! `solve`: from a source and edits to everything that follows, in stages.
 //!
 //! ```text
-//! clip ─┬─▶ original path ─┬─▶ residuals ──────────────┐
-//!       │                  ├─▶ progress ─▶ timing ─▶ edited clip, feet held ─▶ measures
-//!       │                  └─▶ new path ─▶ ┘           │                      │
-//!       ├─▶ feet ─▶ legs prepared ─────────────────────┘                      │
-//!       └─▶ body ─────────────────────────────────────────────────────────────┘
+//! clip ─┬─▶ original path ─┬─▶ residuals ─┐
+//!       │                  ├─▶ progress ──┤
+//!       ├─▶ feet ──────────┼──────────────┼─▶ what walks ─┬─▶ timing ─▶ walk, feet held ─▶ measures
+//!       └─▶ body ──────────┼──────────────┘               │
+//!                          └─▶ new path ──────────────────┘
 //! ```
+//!
+//! What walks is the clip, or the clip joined to itself so that it lasts as long as the new path.
 //!
 //! A stage whose input equals its previous input hands its previous output on, so equality of inputs is all there is
 //! to it: upstream stages are compared by pointer, settings by value.
@@ -15,13 +17,17 @@ use std::{panic::resume_unwind, sync::Arc, thread};
 
 use glam::DVec3;
 
-use super::{Edits, Feet, Solved, Source, holding::Carriage};
+use super::{
+    Edits, Feet, Solved, Source,
+    holding::Carriage,
+    walked::{Loaded, repeat},
+};
 use crate::{
     curve::BSpline,
     math::Rigid,
     measure::{Body, Measured},
     motion::{Clip, EditedClip},
-    path::{Integrator, MAX_POINTS, NewPath, OriginalPath, Residuals, Timing, TimingOptions, straight_line},
+    path::{Cycling, Integrator, MAX_POINTS, NewPath, OriginalPath, Residuals, Timing, TimingOptions, straight_line},
 };
 
 /// Degrees a new path may have.
@@ -42,9 +48,6 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
 
     let same_feet = before.filter(|p| p.edits.plants.detection == edits.plants.detection);
     let feet = reuse(same_feet, |p| &p.feet, || Feet::of(&clip, &edits.clip, &body, edits.plants.detection));
-    let same_legs = same_feet.filter(|p| p.edits.plants.clean == edits.plants.clean);
-    let prepared = reuse(same_legs, |p| &p.prepared, || feet.prepared(&clip, edits.plants.clean));
-    let turning = reuse(same_legs, |p| &p.turning, || Feet::turning(&clip, &prepared));
 
     let before = before.filter(|p| p.edits.original == edits.original && p.edits.heading == edits.heading);
     let height = clip.facts.height.value;
@@ -69,15 +72,39 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
     let new_path = reuse(previous.filter(|p| plan.is_of(&p.new_path)), |p| &p.new_path, || plan.path());
 
     let walks = edits.path.edited && clip.facts.path_editable;
+    let blends = walks && edits.timing.cycling == Cycling::Blended && edits.timing.arc_length;
+    let loaded = Loaded {
+        clip: &clip,
+        carrier: &carrier_track,
+        body: &body,
+        feet: &feet,
+        original: &original,
+        residuals: &residuals,
+        progress: &progress,
+    };
+    let loops = blends.then(|| loaded.loops(edits.loops, previous));
+    let mut cycle_warnings = loops.as_ref().map_or_else(Vec::new, |loops| loops.warnings.clone());
+    let range = loops.as_ref().and_then(|loops| loops.used).map(|used| used.range);
+    let repeat = range.and_then(|range| {
+        let blend_secs = edits.loops.blend.max(0.0);
+        repeat(range, blend_secs, &progress, (new_path.length(), height), &mut cycle_warnings)
+    });
+    let walked = loaded.walked(repeat, edits.plants.clean, previous);
+
     let same_timing = same_integrator.filter(|p| {
         p.walks_new_path() == walks
+            && p.walked.repeat == repeat
             && (!walks || (Arc::ptr_eq(&p.new_path, &new_path) && timing_options(&p.edits) == options))
     });
     let timing = reuse(
         same_timing,
         |p| &p.timing,
         || {
-            if walks {
+            if repeat.is_some() {
+                let timing = Timing::along(&new_path, &walked.progress, height, &options);
+                let seams = walked.seams(timing.n_frames());
+                Timing { seams, ends_early: timing.n_frames() < clip.n_frames(), ..timing }
+            } else if walks {
                 Timing::along(&new_path, &progress, height, &options)
             } else {
                 Timing::of_original(&original, &progress)
@@ -85,25 +112,28 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         },
     );
 
-    let holds = walks && edits.plants.hold && prepared.legs().len() > 0;
+    let holds = walks && edits.plants.hold && walked.prepared.legs().len() > 0;
     let same_edit = same_timing.filter(|p| {
-        (!walks || Arc::ptr_eq(&p.residuals, &residuals))
+        (!walks || Arc::ptr_eq(&p.walked.residuals, &walked.residuals))
             && p.holding.is_some() == holds
-            && (!holds || (Arc::ptr_eq(&p.prepared, &prepared) && p.edits.plants.ground == edits.plants.ground))
+            && (!holds
+                || (Arc::ptr_eq(&p.walked.prepared, &walked.prepared) && p.edits.plants.ground == edits.plants.ground))
     });
-    let (edited, holding) = match same_edit {
-        Some(p) => (Arc::clone(&p.edited), p.holding.clone()),
+    // The walk shows frames of what walks; the edit says the same of the clip as loaded.
+    let (walk, holding) = match same_edit {
+        Some(p) => (Arc::clone(&p.walk), p.holding.clone()),
         None => {
             let carriage = Carriage {
-                clip: &clip,
-                residuals: &residuals,
-                original: &original,
-                progress: &progress,
+                clip: &walked.clip,
+                residuals: &walked.residuals,
+                original: walked.path(&original),
+                progress: &walked.progress,
                 new_path: &new_path,
                 timing: &timing,
+                restarts: if repeat.is_some() { &[] } else { &timing.seams },
             };
             if holds {
-                let (edited, holding) = carriage.held(&prepared, edits.plants.ground);
+                let (edited, holding) = carriage.held(&walked.prepared, edits.plants.ground);
                 (Arc::new(edited), Some(Arc::new(holding)))
             } else {
                 let edited = if walks { carriage.plain() } else { EditedClip::unedited(Arc::clone(&clip)) };
@@ -111,25 +141,30 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
             }
         }
     };
+    let edited = match same_edit {
+        Some(p) => Arc::clone(&p.edited),
+        None => walked.as_edit_of(&clip, &walk),
+    };
 
     let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
     let (measures, foot_numbers) = match (same_edit, same_steps) {
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
         _ => {
-            let placed = body.placed(&edited, &turning);
+            let placed = walked.body.placed(&walk, &walked.turning);
             let measured = Measured {
-                body: &body,
+                source: &body,
+                body: &walked.body,
                 placed: &placed,
-                edited: &edited,
+                edited: &walk,
                 original: &original,
-                residuals: &residuals,
+                residuals: &walked.residuals,
                 progress: &progress,
                 new_path: &new_path,
                 timing: &timing,
             };
             // The feet's numbers take half as long as the whole body's: a second core hides them.
             thread::scope(|scope| {
-                let numbers = scope.spawn(|| Arc::new(feet.numbers(&clip, &body, &placed, &edited)));
+                let numbers = scope.spawn(|| Arc::new(walked.foot_numbers(&loaded, &placed, &walk, &edited)));
                 let measures = reuse(same_edit, |p| &p.measures, || measured.measures());
                 (measures, numbers.join().unwrap_or_else(|panic| resume_unwind(panic)))
             })
@@ -141,6 +176,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
     warnings.extend(feet.warnings.iter().cloned());
     warnings.extend(original_warnings(&original));
     warnings.extend(plan.warnings);
+    warnings.extend(cycle_warnings);
     warnings.extend(timing.warnings.iter().cloned());
     Solved {
         source: Arc::clone(source),
@@ -153,8 +189,9 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         progress,
         new_path,
         timing,
-        prepared,
-        turning,
+        loops,
+        walked,
+        walk,
         edited,
         holding,
         measures,
@@ -165,7 +202,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
 }
 
 /// Hands on a stage's previous output if there is a previous solve with the same input, else makes it.
-fn reuse<T>(same: Option<&Solved>, stage: impl Fn(&Solved) -> &Arc<T>, make: impl FnOnce() -> T) -> Arc<T> {
+pub(super) fn reuse<T>(same: Option<&Solved>, stage: impl Fn(&Solved) -> &Arc<T>, make: impl FnOnce() -> T) -> Arc<T> {
     same.map_or_else(|| Arc::new(make()), |p| Arc::clone(stage(p)))
 }
 

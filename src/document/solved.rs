@@ -4,12 +4,12 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Edits, Feet, Holding};
+use super::{Edits, Feet, Holding, Loops, Walked};
 use crate::{
     bvh::Bvh,
-    constrain::{Missed, Prepared},
+    constrain::Missed,
     math::Rigid,
-    measure::{Body, FootNumbers, Measures, Turning},
+    measure::{Body, FootNumbers, Measures},
     motion::{Clip, EditedClip, to_bvh},
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
@@ -50,11 +50,13 @@ pub struct Solved {
     pub new_path: Arc<NewPath>,
     /// Where each edited frame stands.
     pub timing: Arc<Timing>,
-    /// The legs that can be held, ready to be.
-    pub prepared: Arc<Prepared>,
-    /// The joints that holding turns, ready to be measured.
-    pub turning: Arc<Turning>,
-    /// The edited clip.
+    /// The clip's loops; none unless cycling is blended.
+    pub loops: Option<Arc<Loops>>,
+    /// What walks the path: the clip, or the clip joined to itself.
+    pub walked: Walked,
+    /// The edited clip, of what walks.
+    pub walk: Arc<EditedClip>,
+    /// The edited clip, of the clip as loaded.
     pub edited: Arc<EditedClip>,
     /// What holding the feet did; none while they are not held.
     pub holding: Option<Arc<Holding>>,
@@ -108,13 +110,14 @@ impl Solved {
     ///
     /// When there is no such edited frame, as everywhere below.
     pub fn source_frame(&self, edited_frame: usize) -> usize {
-        self.timing.source_frames[edited_frame] as usize
+        self.edited.source_frame(edited_frame)
     }
 
     /// Returns the first edited frame that shows a frame of the clip; none where the clip ends before it.
     pub fn edited_frame(&self, source_frame: usize) -> Option<usize> {
-        // The first cycle begins at the clip's first frame and leaves none out.
-        (source_frame < self.edited.n_frames().min(self.clip.n_frames())).then_some(source_frame)
+        // The first cycle begins at the clip's first frame and leaves none out up to its end.
+        let n_shown = self.walked.repeat.map_or(self.clip.n_frames(), |repeat| repeat.range.end);
+        (source_frame < self.edited.n_frames().min(n_shown)).then_some(source_frame)
     }
 
     /// Returns where the carrier is at an edited frame.
@@ -156,7 +159,7 @@ impl Solved {
     pub fn missed_plant(&self, missed: &Missed) -> String {
         let rest = self.clip.rest_frames();
         let facts = &self.clip.facts;
-        let side = self.prepared.legs().nth(missed.leg).expect("a leg that is held").side.name();
+        let side = self.walked.prepared.legs().nth(missed.leg).expect("a leg that is held").side.name();
         let [first, last, frame] = [missed.first, missed.last, missed.frame].map(|frame| frame + rest);
         format!(
             "the {side} foot cannot reach where it stands in frames {first} to {last}: {:.2} {} short at frame {frame} ({:.4} body heights)",

@@ -48,7 +48,7 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, SetError> {
     })
 }
 
-const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain)];
+const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain), ("blended", Cycling::Blended)];
 const GROUNDS: &[(&str, Ground)] = &[("steps", Ground::Steps), ("ramp", Ground::Ramp)];
 const FRAMES: &[(&str, ResidualFrame)] =
     &[("heading", ResidualFrame::Heading), ("tangent", ResidualFrame::Tangent), ("absolute", ResidualFrame::Absolute)];
@@ -82,6 +82,10 @@ fn switch(value: &Value) -> bool {
 
 fn count(value: &Value) -> Option<usize> {
     value.as_integer().map(|n| n as usize)
+}
+
+fn frame(given: Option<usize>) -> Value {
+    given.map_or_else(|| word("auto"), |frame| Value::Integer(frame as i64))
 }
 
 macro_rules! show_row {
@@ -154,7 +158,7 @@ macro_rules! camera_rows {
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
 
-const EDITS: [Parameter; 24] = [
+const EDITS: [Parameter; 27] = [
     Parameter {
         name: "clip.carrier",
         kind: Kind::Joint,
@@ -192,7 +196,7 @@ const EDITS: [Parameter; 24] = [
         kind: Kind::Count { min: 0, max: 1_000_000, step: 1, auto: true },
         unit: "frames",
         doc: "Leading frames to leave alone (a T-pose before the motion).",
-        get: |e| e.clip.rest_frames.map_or_else(|| word("auto"), |n| Value::Integer(n as i64)),
+        get: |e| frame(e.clip.rest_frames),
         set: |e, v| e.clip.rest_frames = count(v),
     },
     Parameter {
@@ -296,9 +300,9 @@ const EDITS: [Parameter; 24] = [
     },
     Parameter {
         name: "timing.cycling",
-        kind: Kind::Choice(&["off", "plain"]),
+        kind: Kind::Choice(&["off", "plain", "blended"]),
         unit: "",
-        doc: "On a path longer than the clip: end, or start the clip again where it ended.",
+        doc: "On a path longer than the clip: end, start the clip again where it ended, or repeat a loop without a seam.",
         get: |e| word_of(CYCLING, &e.timing.cycling),
         set: |e, v| e.timing.cycling = choice_of(CYCLING, v),
     },
@@ -309,6 +313,30 @@ const EDITS: [Parameter; 24] = [
         doc: "Playback rate; the exported clip keeps its own time.",
         get: |e| Value::Float(e.timing.speed),
         set: |e, v| e.timing.speed = float(v),
+    },
+    Parameter {
+        name: "loop.start",
+        kind: Kind::Count { min: 0, max: 1_000_000, step: 1, auto: true },
+        unit: "file frame",
+        doc: "First frame of the loop that blended cycling repeats; auto takes the best loop found.",
+        get: |e| frame(e.loops.start),
+        set: |e, v| e.loops.start = count(v),
+    },
+    Parameter {
+        name: "loop.end",
+        kind: Kind::Count { min: 0, max: 1_000_000, step: 1, auto: true },
+        unit: "file frame",
+        doc: "Frame after the loop's last one; auto takes the best loop found.",
+        get: |e| frame(e.loops.end),
+        set: |e, v| e.loops.end = count(v),
+    },
+    Parameter {
+        name: "loop.blend",
+        kind: Kind::Real { min: 0.0, max: 2.0, step: Step::Add(0.05) },
+        unit: "seconds",
+        doc: "Time on each side of the loop's seam over which its mismatch is spread; 0 is a hard cut.",
+        get: |e| Value::Float(e.loops.blend),
+        set: |e, v| e.loops.blend = float(v),
     },
     Parameter {
         name: "plants.hold",
@@ -460,7 +488,7 @@ mod tests {
         assert_eq!(step("path.points", -1, true).as_deref(), Some("2"));
         assert_eq!(step("original.degree", 1, false).as_deref(), Some("1"));
         assert_eq!(step("heading.window", 1, false).as_deref(), Some("0.55"));
-        assert_eq!(step("timing.cycling", -1, false).as_deref(), Some("plain"));
+        assert_eq!(step("timing.cycling", -1, false).as_deref(), Some("blended"));
         assert_eq!(step("show.ground", 1, false).as_deref(), Some("false"));
         assert_eq!(step("clip.carrier", 1, false), None);
     }

@@ -58,7 +58,9 @@ pub struct Measures {
 /// What the numbers are taken from.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
-    /// The clip's body.
+    /// The body of the clip as loaded.
+    pub source: &'a Body,
+    /// The body of the clip that is edited: the same, or of the clip joined to itself.
     pub body: &'a Body,
     /// The same where the edit has it.
     pub placed: &'a Placed<'a>,
@@ -68,7 +70,7 @@ pub struct Measured<'a> {
     pub original: &'a OriginalPath,
     /// What it leaves over.
     pub residuals: &'a Residuals,
-    /// Arc length of each frame on the original path.
+    /// Arc length of each frame of the clip as loaded on the original path.
     pub progress: &'a [f64],
     /// The new path.
     pub new_path: &'a NewPath,
@@ -81,7 +83,7 @@ impl Measured<'_> {
     pub fn measures(&self) -> Measures {
         let height = self.original.height();
         let carriers = &self.edited.carrier_world;
-        let source = self.body.source();
+        let source = self.source.source();
         // Without an edit the frames are the source's, and so are the numbers.
         let is_source = carriers.is_empty() && self.edited.turned.is_empty();
         let sweep = if is_source { source } else { self.body.sweep(self.placed) };

@@ -18,6 +18,8 @@ pub enum Cycling {
     Off,
     /// The thesis's: the clip starts again where it ended.
     Plain,
+    /// The clip has been joined to itself (METHOD 7), so that it lasts as long as the path; to timing the same as `Off`.
+    Blended,
 }
 
 /// How the new path is timed.
@@ -132,7 +134,7 @@ impl Timing {
         };
         let warnings = match cycling {
             Cycling::Off => Vec::new(),
-            Cycling::Plain => vec!["not cycled: timing.cycling needs timing.arc_length".to_owned()],
+            Cycling::Plain | Cycling::Blended => vec!["not cycled: timing.cycling needs timing.arc_length".to_owned()],
         };
         Self {
             source_frames: (0..n as u32).collect(),

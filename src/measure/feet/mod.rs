@@ -57,6 +57,21 @@ pub struct FootMeasure<'a> {
     pub height: f64,
 }
 
+impl FootNumbers {
+    /// Returns these numbers with another's as the source's, where it has any.
+    pub fn beside(self, source: &Self) -> Self {
+        let pair = |own: Option<Pair>, other: Option<Pair>| {
+            own.map(|own| Pair { source: other.map_or(own.source, |other| other.source), ..own })
+        };
+        Self {
+            planted_speed: pair(self.planted_speed, source.planted_speed),
+            slip_p90: pair(self.slip_p90, source.slip_p90),
+            clearance: pair(self.clearance, source.clearance),
+            ..self
+        }
+    }
+}
+
 impl FootMeasure<'_> {
     /// Measures the foot. Linear in the number of edited frames, and fast enough for every key press.
     pub fn numbers(&self) -> FootNumbers {
