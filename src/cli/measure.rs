@@ -93,6 +93,11 @@ fn text(solved: &Solved) -> String {
             line(&format!("  {name}"), value, unit);
         }
     }
+    for strain in solved.strains.iter() {
+        let rest = solved.clip.rest_frames();
+        let frames = format!("frames {} to {}", strain.frames.start + rest, strain.frames.end - 1 + rest);
+        line(&format!("too much {}", strain.cause.word()), frames, &solved.strain(strain));
+    }
     for s in &measures.seam {
         line(
             &format!("seam at {}", s.frame + solved.clip.rest_frames()),
