@@ -14,6 +14,7 @@ mod project;
 mod solve;
 mod solved;
 mod source;
+mod strain;
 mod table;
 mod walked;
 
@@ -34,6 +35,7 @@ pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
+pub use strain::{Cause, Strain};
 pub use table::{PARAMETERS, parameter};
 pub use walked::{Loops, Repeat, Walked};
 

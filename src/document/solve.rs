@@ -20,6 +20,7 @@ use glam::DVec3;
 use super::{
     Edits, Feet, Solved, Source,
     holding::Carriage,
+    strain::Asked,
     walked::{Loaded, repeat},
 };
 use crate::{
@@ -146,6 +147,17 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         None => walked.as_edit_of(&clip, &walk),
     };
 
+    let strains = reuse(
+        same_edit,
+        |p| &p.strains,
+        || {
+            let holding = holding.as_deref();
+            let asked =
+                Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &walked.prepared, holding };
+            if walks { asked.strains() } else { Vec::new() }
+        },
+    );
+
     let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
     let (measures, foot_numbers) = match (same_edit, same_steps) {
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
@@ -194,6 +206,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         walk,
         edited,
         holding,
+        strains,
         measures,
         feet,
         foot_numbers,
