@@ -278,3 +278,33 @@ fn one_frame_renders_the_same_twice() {
         picture(&format!("{idx}.png"), &[text(clip), "--shape", "circle"]);
     }
 }
+
+/// A blended cycle goes to the end of a longer path, tells its seams and comes back from its project.
+#[test]
+fn blended_cycles_are_set_measured_and_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let clip = folder.path().join("walk.bvh");
+    std::fs::write(&clip, walkabout::motion::gait::built_in().0).expect("the clip is written");
+    let long =
+        ["--shape", "line:3", "--set", "timing.cycling=blended", "--set", "loop.start=178", "--set", "loop.end=242"];
+    let args = |command: &'static str| [&[command, text(&clip)], &long[..]].concat();
+    let report = json(&[&args("measure")[..], &["--json"]].concat());
+    let seams = report["seam"].as_array().expect("seams");
+    assert!(seams.len() > 5 && report["frames"]["edited"].as_u64() > Some(1000), "{report}");
+    assert_eq!(seams[0]["frame"], 242);
+    for seam in seams {
+        assert!(["position", "rotation", "velocity"].iter().all(|key| seam[key].as_f64().is_some()), "{seam}");
+    }
+    done(&[&args("measure")[..], &["--fail", "seam_ratio=1.5"]].concat());
+
+    let out = folder.path().join("long.bvh");
+    done(&[&args("export")[..], &["-o", text(&out)]].concat());
+    let written = Bvh::parse(std::fs::read(&out).expect("written"), "long.bvh").expect("a valid file");
+    assert_eq!(written.n_frames() as u64, report["frames"]["edited"].as_u64().expect("a count"));
+
+    let project = folder.path().join("walk.toml");
+    let toml = "format = 1\n\n[clip]\nfile = \"walk.bvh\"\n\n[timing]\ncycling = \"blended\"\n\n[loop]\nstart = 178\nend = 242\n";
+    std::fs::write(&project, toml).expect("the project is written");
+    let again = json(&["measure", text(&project), "--shape", "line:3", "--json"]);
+    assert_eq!(again["seam"], report["seam"]);
+}

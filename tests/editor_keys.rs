@@ -1,8 +1,8 @@
 //! Key triples: a clip, keys, the state that follows.
 
 use walkabout::{
-    document::{self, Document},
-    editor::{Editor, Effect, TABS},
+    document::{self, Change, Document},
+    editor::{Editor, Effect, RowKind, TABS},
 };
 
 fn editor() -> Editor {
@@ -135,6 +135,43 @@ fn ready_shapes_take_two_keys() {
             assert!((length / original - 1.0).abs() < 1e-9, "{keys}: {length} against {original}");
         }
     }
+}
+
+#[test]
+fn a_key_cycles_without_a_seam_and_goes_through_the_loops() {
+    let mut document = Document::new(document::open(None).expect("the built-in clip opens"));
+    let long = Change::Set { values: Vec::new(), shape: Some("circle:3".parse().expect("a shape")) };
+    document.apply(&long, false).expect("a change");
+    let mut e = Editor::new(document, Vec::new());
+    let said = |e: &Editor| e.view().message.as_ref().map_or_else(String::new, |m| m.text.clone());
+    let range = |e: &Editor| e.document().solved().walked.repeat.map(|r| (r.range.first, r.range.end));
+    assert_eq!(range(&e), None);
+    e.keys("R");
+    let best: Vec<_> = (e.document().solved().loops.as_ref().expect("found").best.iter())
+        .map(|found| (found.range.first, found.range.end))
+        .collect();
+    assert!(best.len() > 2);
+    assert_eq!(range(&e), Some(best[0]));
+    assert!(said(&e).starts_with(&format!("loop: file frames {} to {}, ", best[0].0, best[0].1)), "{}", said(&e));
+    e.keys("R");
+    assert_eq!(range(&e), Some(best[1]));
+    assert_eq!(e.document().depth(), (3, 0), "the shape, cycling, a loop");
+    e.keys(&"R".repeat(best.len() - 1));
+    assert_eq!(range(&e), Some(best[0]), "after the last one the best again");
+    e.keys("u<c-r>uu");
+    assert_eq!(range(&e), Some(best[best.len() - 2]));
+
+    // The same from the list.
+    e.keys("<tab><tab>");
+    let wanted = RowKind::Loop { loop_idx: 2 };
+    let down = e.rows().iter().position(|row| row.kind == wanted).expect("listed");
+    e.keys(&format!("{}<enter>", "j".repeat(down)));
+    assert_eq!(range(&e), Some(best[2]));
+    assert!(e.rows().iter().any(|row| row.kind == wanted && row.label.starts_with('◆') && row.selected));
+    // A short path needs no cycle, and says so.
+    e.keys("scR");
+    assert_eq!(range(&e), None);
+    assert!(said(&e).ends_with("the path is no longer than the clip"), "{}", said(&e));
 }
 
 #[test]

@@ -81,8 +81,11 @@ static NUMBERS: [Number; 10] = [
         at_least: false,
         values: |s| {
             let rest = s.clip.rest_frames();
-            let ratio = |seam: &crate::measure::Seam| seam.position / seam.neighbour_position;
-            s.measures.seam.iter().map(|seam| (format!("frame {}", seam.frame + rest), Some(ratio(seam)))).collect()
+            s.measures
+                .seam
+                .iter()
+                .map(|seam| (format!("frame {}", seam.frame + rest), Some(seam.position_share())))
+                .collect()
         },
     },
     Number {

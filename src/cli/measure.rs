@@ -107,8 +107,8 @@ fn text(solved: &Solved) -> String {
     for s in &measures.seam {
         line(
             &format!("seam at {}", s.frame + solved.clip.rest_frames()),
-            format!("{:.5} {:.5} {:.5}", s.position, s.rotation, s.velocity),
-            "position, rotation, velocity step",
+            format!("{:.5} {:.5} {:.5}  {:.2} ×", s.position, s.rotation, s.velocity, s.position_share()),
+            "position, rotation, velocity step; position over the steps beside it",
         );
     }
     out

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     document::{CameraEdits, Change, ProjectionKind, parameter},
-    path::{Shape, ShapeKind},
+    path::{Cycling, Shape, ShapeKind},
 };
 
 /// Headings the help puts commands under.
@@ -134,7 +134,9 @@ pub const COMMANDS: &[Command] = &[
     }),
     row(Group::Panel, "value.up_big", &["]"], "A big step up.", steps, |e, c| step_row(e, c, 1, true)),
     row(Group::Panel, "value.down_big", &["["], "A big step down.", steps, |e, c| step_row(e, c, -1, true)),
-    row(Group::Panel, "value.type", &["<enter>"], "Type a value or coordinates.", types, |e, _| type_row(e)),
+    row(Group::Panel, "value.type", &["<enter>"], "Type a value or coordinates, take a loop.", types, |e, _| {
+        type_row(e)
+    }),
     row(Group::Panel, "value.default", &["<backspace>"], "Back to the default.", steps, default_row),
     row(Group::Panel, "set", &[":"], "Set any parameter: NAME=VALUE.", always, |e, _| ask(e, Asking::Assignment, "")),
     row(Group::Points, "point.next", &["n"], "Next control point.", path_editable, |e, _| choose_point(e, 1)),
@@ -176,6 +178,14 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Points, "cycling", &["C"], "Next way of cycling on a longer path.", path_editable, |e, c| {
         step_value(e, c, "timing.cycling", 1, false)
     }),
+    row(
+        Group::Points,
+        "loop.next",
+        &["R"],
+        "Cycle without a seam: repeat the best loop, then the next best.",
+        path_editable,
+        next_loop,
+    ),
     row(Group::Shapes, "shape.line", &["sl"], "A straight line.", path_editable, |e, c| shape(e, c, ShapeKind::Line)),
     row(Group::Shapes, "shape.chord", &["sh"], "From the first point to the last.", path_editable, |e, c| {
         shape(e, c, ShapeKind::Chord)
@@ -393,6 +403,7 @@ fn type_row(editor: &mut Editor) -> Effect {
     match selected_row(editor).map(|r| (r.kind, r.value)) {
         Some((RowKind::Parameter(name), value)) => ask(editor, Asking::Value { name }, &value),
         Some((RowKind::Point { .. }, _)) => type_point(editor),
+        Some((RowKind::Loop { loop_idx }, _)) => take_loop(editor, "loop.take", loop_idx),
         _ => Effect::None,
     }
 }
@@ -401,6 +412,59 @@ fn type_point(editor: &mut Editor) -> Effect {
     let point_idx = editor.view.point_idx;
     let p = editor.document.solved().control_points()[point_idx];
     ask(editor, Asking::Coordinates { point_idx }, &format!("{} {} {}", p.x, p.y, p.z))
+}
+
+/// Turns blended cycling on; once it is, takes the loop after the one in use.
+fn next_loop(editor: &mut Editor, command: &'static str) -> Effect {
+    if editor.document.edits().timing.cycling != Cycling::Blended {
+        editor.set(command, "timing.cycling", Value::String("blended".to_owned()));
+        editor.end_step();
+        if editor.view.message.is_none() {
+            say_loop(editor);
+        }
+        return Effect::None;
+    }
+    let Some(loops) = editor.document.solved().loops.clone() else {
+        editor.say(Message::note("loops are for the new path walked by arc length".to_owned()));
+        return Effect::None;
+    };
+    let used = loops.best.iter().position(|found| loops.used.is_some_and(|used| used.range == found.range));
+    match loops.best.len() {
+        0 => editor.say(Message::note("no loop was found; the whole clip is repeated".to_owned())),
+        n => return take_loop(editor, command, used.map_or(0, |idx| (idx + 1) % n)),
+    }
+    Effect::None
+}
+
+/// Repeats one of the loops that were found.
+fn take_loop(editor: &mut Editor, command: &'static str, loop_idx: usize) -> Effect {
+    let solved = editor.document.solved();
+    let rest = solved.clip.rest_frames();
+    let Some(range) = solved.loops.as_ref().and_then(|loops| loops.best.get(loop_idx)).map(|found| found.range) else {
+        return Effect::None;
+    };
+    let frame = |frame: usize| Value::Integer((frame + rest) as i64);
+    let values = vec![("loop.start".to_owned(), frame(range.first)), ("loop.end".to_owned(), frame(range.end))];
+    editor.change(command, &Change::Set { values, shape: None });
+    editor.end_step();
+    if editor.view.message.is_none() {
+        say_loop(editor);
+    }
+    Effect::None
+}
+
+/// Says which loop is in use and how its ends meet.
+fn say_loop(editor: &mut Editor) {
+    let solved = editor.document.solved();
+    let rest = solved.clip.rest_frames();
+    let Some(used) = solved.loops.as_ref().and_then(|loops| loops.used) else { return };
+    let (first, end) = (used.range.first + rest, used.range.end + rest);
+    let secs = used.range.n_frames() as f64 * solved.clip.frame_time_secs;
+    let idle = if solved.walked.repeat.is_none() { "; the path is no longer than the clip" } else { "" };
+    editor.say(Message::note(format!(
+        "loop: file frames {first} to {end}, {secs:.2} s, ends differ by {}{idle}",
+        used.mismatch
+    )));
 }
 
 fn choose_point(editor: &mut Editor, by: i64) -> Effect {

@@ -52,7 +52,7 @@ impl Tab {
             // The points are rows of their own.
             Self::Path => section == "path" && parameter.name != "path.control_points",
             Self::Original => ["original", "residual", "heading"].contains(&section),
-            Self::Timing => section == "timing",
+            Self::Timing => ["timing", "loop"].contains(&section),
             Self::Clip => section == "clip",
             Self::Show => section == "show",
             Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
@@ -91,6 +91,11 @@ pub enum RowKind {
         /// Index of the point.
         point_idx: usize,
     },
+    /// A loop that was found.
+    Loop {
+        /// Its place in the list, the best first.
+        loop_idx: usize,
+    },
     /// Something to read.
     Fact,
 }
@@ -117,7 +122,10 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
         Tab::Path => rows.extend(point_rows(editor)),
         Tab::Clip => rows.extend(fact_rows(editor)),
         Tab::Original => rows.extend(original_rows(editor)),
-        Tab::Timing => rows.extend(timing_rows(editor)),
+        Tab::Timing => {
+            rows.extend(timing_rows(editor));
+            rows.extend(loop_rows(editor));
+        }
         Tab::Quality => rows.extend(quality_rows(editor)),
         Tab::Show | Tab::Camera | Tab::Residuals => {}
     }
@@ -216,6 +224,37 @@ fn timing_rows(editor: &Editor) -> Vec<Row> {
             "Arc length of the new path, the clip's unit.".to_owned(),
         ),
     ]
+}
+
+/// Returns the loops that were found, the best first, once there is something to repeat.
+fn loop_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let Some(loops) = &solved.loops else { return Vec::new() };
+    let rest = solved.clip.rest_frames();
+    let in_use = solved.walked.repeat.map_or_else(
+        || "the path is no longer than the clip".to_owned(),
+        |_| format!("{} seams", solved.measures.seam.len()),
+    );
+    let in_use = fact("repeated", in_use, "How often the loop begins again before the path ends.".to_owned());
+    let found = loops.best.iter().enumerate().map(|(loop_idx, found)| {
+        let (range, mismatch) = (found.range, found.mismatch);
+        let used = loops.used.is_some_and(|used| used.range == range);
+        let secs = range.n_frames() as f64 * solved.clip.frame_time_secs;
+        let phase = mismatch.phase.map_or_else(|| "–".to_owned(), |phase| format!("{phase:.2}"));
+        let (first, end) = (range.first + rest, range.end + rest);
+        Row {
+            kind: RowKind::Loop { loop_idx },
+            label: format!("{} loop {first}–{end}", if used { '◆' } else { '○' }),
+            value: format!("{secs:.2} s  {:.3} {:.2} {phase}", mismatch.pose, mismatch.velocity),
+            unit: "",
+            changed: false,
+            selected: false,
+            help: format!(
+                "enter repeats file frames {first} to {end}. Its ends differ by {mismatch} (0 the same, 1 opposite steps)."
+            ),
+        }
+    });
+    std::iter::once(in_use).chain(found).collect()
 }
 
 fn quality_rows(editor: &Editor) -> Vec<Row> {

@@ -21,12 +21,13 @@ use ratatui::{
 
 use super::{
     Chart, Direction, Extent, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView, Series,
-    StatusLine, Tabs, Timeline, TimelineRow,
+    StatusLine, Tabs, Timeline, TimelineMark, TimelineRow,
     score::{self, side},
     text,
 };
 use crate::{
     contact::Plant,
+    document::Solved,
     editor::{Editor, Hint, Severity, TABS, Tab},
     scene::{Picture, Scene},
 };
@@ -200,23 +201,31 @@ fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palett
 fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
     let solved = editor.document().solved();
     let rest = solved.clip.rest_frames();
-    // A plant of the source stands where the edited clip first shows it.
-    let last_shown = solved.edited.n_frames().min(solved.clip.n_frames()) - 1;
+    // A plant stands where the edited clip first shows it; those of a joined clip go on with its cycles.
+    let last_shown = solved.edited.n_frames().min(solved.walked.clip.n_frames()) - 1;
     let shown =
         |plant: &Plant| (plant.first <= last_shown).then(|| plant.first + rest..=plant.last.min(last_shown) + rest);
     let intervals: Vec<Vec<_>> =
-        solved.feet.plants.iter().map(|foot| foot.plants.iter().filter_map(shown).collect()).collect();
-    let feet = solved.feet.plants.iter().zip(&intervals);
+        solved.walked.feet.plants.iter().map(|foot| foot.plants.iter().filter_map(shown).collect()).collect();
+    let feet = solved.walked.feet.plants.iter().zip(&intervals);
     let rows: Vec<_> = feet.map(|(foot, intervals)| TimelineRow { label: side(foot), intervals }).collect();
     let timeline = Timeline {
         n_frames: solved.edited.n_frames() + rest,
         playhead: editor.view().frame_idx + rest,
         frame_time_secs: solved.clip.frame_time_secs,
-        marks: &[],
+        marks: &loop_marks(solved),
         rows: &rows,
         palette,
     };
     timeline.render(area, buf);
+}
+
+/// Returns signs on the timeline where a loop begins and where it begins again.
+fn loop_marks(solved: &Solved) -> Vec<TimelineMark> {
+    let rest = solved.clip.rest_frames();
+    let start = solved.walked.repeat.map(|repeat| TimelineMark { frame: repeat.range.first + rest, symbol: '[' });
+    let again = solved.timing.seams.iter().map(|seam| TimelineMark { frame: seam + rest, symbol: '╂' });
+    start.into_iter().chain(again).collect()
 }
 
 /// Draws the line being typed, the message or the state; returns where the cursor stands while typing.
