@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::{
-    contact::Thresholds,
+    contact::{PlantEdit, Thresholds},
     motion::ClipOptions,
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
@@ -27,6 +27,8 @@ pub struct Edits {
     pub timing: TimingEdits,
     /// How foot plants are found.
     pub plants: PlantsEdits,
+    /// Plants edited by hand (`plant`), in file frames.
+    pub edited_plants: Vec<PlantEdit>,
     /// What is drawn and from where; saved with a project, outside undo.
     pub view: ViewEdits,
 }

@@ -1,25 +1,31 @@
 //! The feet of a clip: its legs, when they stand, and how well the edited clip keeps them standing.
 
+use std::sync::Arc;
+
+use super::{
+    Edits,
+    footprint::{SourcePrint, footprints},
+};
 use crate::{
-    contact::{Detection, FootPlants, Thresholds},
+    contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, Thresholds, with_edits},
     measure::{Body, FootMeasure, FootNumbers, FootTracks},
-    motion::{Clip, ClipOptions, Decided, EditedClip, Leg, legs::find_legs},
+    motion::{Clip, ClipOptions, Decided, EditedClip, Leg, Side, legs::find_legs},
 };
 
-/// The feet of the source clip.
+/// What is found of feet in the source clip, before the user's own plants.
 #[derive(Clone, Debug)]
-pub struct Feet {
+pub struct FoundFeet {
     /// The legs, left ones first, and why these.
     pub legs: Decided<Vec<Leg>>,
     /// When each foot stands, in the order of the legs; clip frames.
     pub plants: Vec<FootPlants>,
     /// What could not be read as asked, one line each.
-    pub warnings: Vec<String>,
+    warnings: Vec<String>,
 }
 
-impl Feet {
+impl FoundFeet {
     /// Finds legs and plants.
-    pub(super) fn of(clip: &Clip, asked: &ClipOptions, body: &Body, thresholds: Thresholds) -> Self {
+    fn of(clip: &Clip, asked: &ClipOptions, body: &Body, thresholds: Thresholds) -> Self {
         let mut warnings = Vec::new();
         let legs = find_legs(clip, &asked.legs, &mut warnings);
         let plants = Detection {
@@ -33,10 +39,52 @@ impl Feet {
         .plants();
         Self { legs, plants, warnings }
     }
+}
+
+/// The feet of the source clip.
+#[derive(Clone, Debug)]
+pub struct Feet {
+    /// Legs and plants as found.
+    pub found: Arc<FoundFeet>,
+    /// When each foot stands, the user's plants among the found ones, in the order of the legs; clip frames.
+    pub plants: Vec<FootPlants>,
+    /// Which of `plants` are the user's, foot by foot.
+    edited: Vec<Vec<bool>>,
+    /// Where the feet stand in the source, foot by foot, as many as `plants`.
+    pub prints: Vec<Vec<SourcePrint>>,
+    /// What could not be read as asked, one line each.
+    pub warnings: Vec<String>,
+}
+
+impl Feet {
+    /// Puts the user's plants among the found ones; `found` is what an earlier solve found with the same thresholds.
+    pub(super) fn of(clip: &Clip, edits: &Edits, body: &Body, found: Option<&Arc<FoundFeet>>) -> Self {
+        let found = found.map_or_else(|| Arc::new(FoundFeet::of(clip, &edits.clip, body, edits.plants)), Arc::clone);
+        let mut warnings = found.warnings.clone();
+        let frames = file_frames(clip);
+        let plants = with_edits(found.plants.clone(), &edits.edited_plants, frames, &mut warnings);
+        let by_user = |foot: &FootPlants| {
+            let is_edited = |plant: &Plant| touches(&edits.edited_plants, foot.leg.side, frames.of(plant));
+            foot.plants.iter().map(is_edited).collect()
+        };
+        let edited = plants.iter().map(by_user).collect();
+        let prints = footprints(body.tracks(), &plants, clip.facts.floor);
+        Self { found, plants, edited, prints, warnings }
+    }
+
+    /// Returns the index of a side's foot, the first of several; none without such a leg.
+    pub fn foot_idx(&self, side: Side) -> Option<usize> {
+        self.plants.iter().position(|foot| foot.leg.side == side)
+    }
+
+    /// Tells whether a plant is the user's.
+    pub fn is_edited(&self, foot_idx: usize, plant_idx: usize) -> bool {
+        self.edited[foot_idx][plant_idx]
+    }
 
     /// Measures each foot, source beside edited, in the order of the legs.
     pub(super) fn numbers(&self, clip: &Clip, body: &Body, edited: &EditedClip) -> Vec<FootNumbers> {
-        let points: Vec<usize> = self.legs.value.iter().flat_map(|leg| [leg.ankle.idx(), leg.toe]).collect();
+        let points: Vec<usize> = self.found.legs.value.iter().flat_map(|leg| [leg.ankle.idx(), leg.toe]).collect();
         let moved = body.moved(&points, &edited.carrier_world, &edited.source_frames);
         let source = body.tracks();
         let measure = |(idx, foot): (usize, &FootPlants)| {
@@ -52,4 +100,14 @@ impl Feet {
         };
         self.plants.iter().enumerate().map(measure).collect()
     }
+}
+
+/// Returns where a clip's frames lie in its file.
+pub(super) fn file_frames(clip: &Clip) -> FileFrames {
+    FileFrames { rest: clip.rest_frames(), n_frames: clip.n_frames() }
+}
+
+/// Tells whether the user made a plant of a foot somewhere in a range of file frames.
+fn touches(edits: &[PlantEdit], foot: Side, [first, last]: [usize; 2]) -> bool {
+    (edits.iter()).any(|e| e.foot == foot && e.mode != PlantEditMode::None && e.first <= last && first <= e.last)
 }

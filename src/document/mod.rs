@@ -5,10 +5,13 @@
 
 mod change;
 mod edits;
+mod entries;
 mod feet;
 mod files;
+mod footprint;
 mod history;
 mod parameter;
+mod plants;
 mod project;
 mod solve;
 mod solved;
@@ -23,10 +26,12 @@ pub use edits::{
     CameraEdits, ClipEdits, Edits, HeadingEdits, OriginalEdits, PathEdits, PlantsEdits, ProjectionKind, ResidualEdits,
     Show, TimingEdits, ViewEdits,
 };
-pub use feet::Feet;
+pub use feet::{Feet, FoundFeet};
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
+pub use footprint::{Footprint, SourcePrint};
 pub use history::History;
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
+pub use plants::PlantRefusal;
 pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
