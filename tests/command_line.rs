@@ -116,6 +116,12 @@ fn plants_and_feet_are_told_with_the_source_beside_the_edited_clip() {
         assert!((edited - source).abs() < 1e-9, "{source} {edited}");
     }
     for (source, edited) in speeds(&["--shape", "circle"]) {
+        assert!((edited / source - 1.0).abs() < 0.02, "held, feet slide as the performer's do: {source} {edited}");
+    }
+    for (source, edited) in speeds(&["--shape", "circle", "--set", "plants.clean=true"]) {
+        assert!(edited < 0.1 * source, "cleaned, they stand still: {source} {edited}");
+    }
+    for (source, edited) in speeds(&["--shape", "circle", "--set", "plants.hold=false"]) {
         assert!(edited > 1.5 * source, "carried rigidly, feet slide: {source} {edited}");
     }
 }

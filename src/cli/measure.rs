@@ -45,7 +45,7 @@ fn report(clip: &Clip, document: &Document) -> serde_json::Value {
         "jerk_ratio": measures.jerk_ratio,
         "path_error": measures.path_error,
         "seam": seam,
-        "warnings": solved.warnings,
+        "warnings": solved.warnings.iter().cloned().chain(solved.missed_plants()).collect::<Vec<_>>(),
     })
 }
 

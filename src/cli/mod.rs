@@ -102,7 +102,8 @@ pub fn open(clip: &Clip) -> Result<(Document, Vec<String>), Failure> {
 /// Opens as [`open`] does and tells the warnings on stderr.
 fn open_loudly(clip: &Clip) -> Result<Document, Failure> {
     let (document, warnings) = open(clip)?;
-    for warning in warnings.iter().chain(&document.solved().warnings) {
+    let solved = document.solved();
+    for warning in warnings.into_iter().chain(solved.warnings.iter().cloned()).chain(solved.missed_plants()) {
         eprintln!("walkabout: warning: {warning}");
     }
     Ok(document)

@@ -7,8 +7,9 @@ use super::{
     footprint::{SourcePrint, footprints},
 };
 use crate::{
-    contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, Thresholds, with_edits},
-    measure::{Body, FootMeasure, FootNumbers, FootTracks},
+    constrain::Prepared,
+    contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
+    measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed, Turning},
     motion::{Clip, ClipOptions, Decided, EditedClip, Leg, Side, legs::find_legs},
 };
 
@@ -59,7 +60,7 @@ pub struct Feet {
 impl Feet {
     /// Puts the user's plants among the found ones; `found` is what an earlier solve found with the same thresholds.
     pub(super) fn of(clip: &Clip, edits: &Edits, body: &Body, found: Option<&Arc<FoundFeet>>) -> Self {
-        let found = found.map_or_else(|| Arc::new(FoundFeet::of(clip, &edits.clip, body, edits.plants)), Arc::clone);
+        let found = found.map_or_else(|| Arc::new(FoundFeet::of(clip, &edits.clip, body, edits.plants.detection)), Arc::clone);
         let mut warnings = found.warnings.clone();
         let frames = file_frames(clip);
         let plants = with_edits(found.plants.clone(), &edits.edited_plants, frames, &mut warnings);
@@ -82,10 +83,26 @@ impl Feet {
         self.edited[foot_idx][plant_idx]
     }
 
+    /// Prepares the legs to be held; `clean` removes the feet's own slide from plants that are only to be held.
+    pub(super) fn prepared(&self, clip: &Clip, clean: bool) -> Prepared {
+        let mut feet = self.plants.clone();
+        for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
+            if clean && plant.mode == PlantMode::Hold {
+                plant.mode = PlantMode::Clean;
+            }
+        }
+        Prepared::new(clip, &feet)
+    }
+
+    /// Prepares the joints that holding turns to be measured.
+    pub(super) fn turning(clip: &Clip, prepared: &Prepared) -> Turning {
+        Turning::of(clip, prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]))
+    }
+
     /// Measures each foot, source beside edited, in the order of the legs.
-    pub(super) fn numbers(&self, clip: &Clip, body: &Body, edited: &EditedClip) -> Vec<FootNumbers> {
+    pub(super) fn numbers(&self, clip: &Clip, body: &Body, placed: &Placed, edited: &EditedClip) -> Vec<FootNumbers> {
         let points: Vec<usize> = self.found.legs.value.iter().flat_map(|leg| [leg.ankle.idx(), leg.toe]).collect();
-        let moved = body.moved(&points, &edited.carrier_world, &edited.source_frames);
+        let moved = body.points(&points, placed);
         let source = body.tracks();
         let measure = |(idx, foot): (usize, &FootPlants)| {
             FootMeasure {

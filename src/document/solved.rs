@@ -4,11 +4,12 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Edits, Feet};
+use super::{Edits, Feet, Holding};
 use crate::{
     bvh::Bvh,
+    constrain::{Missed, Prepared},
     math::Rigid,
-    measure::{Body, FootNumbers, Measures},
+    measure::{Body, FootNumbers, Measures, Turning},
     motion::{Clip, EditedClip, to_bvh},
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
@@ -49,8 +50,14 @@ pub struct Solved {
     pub new_path: Arc<NewPath>,
     /// Where each edited frame stands.
     pub timing: Arc<Timing>,
+    /// The legs that can be held, ready to be.
+    pub prepared: Arc<Prepared>,
+    /// The joints that holding turns, ready to be measured.
+    pub turning: Arc<Turning>,
     /// The edited clip.
     pub edited: Arc<EditedClip>,
+    /// What holding the feet did; none while they are not held.
+    pub holding: Option<Arc<Holding>>,
     /// Quality numbers.
     pub measures: Arc<Measures>,
     /// Legs and foot plants of the source.
@@ -136,6 +143,27 @@ impl Solved {
     /// Returns the number of frames an export has: rest frames, then edited frames; 0 for a file without frames.
     pub fn n_exported_frames(&self) -> usize {
         if self.source.bvh.n_frames() == 0 { 0 } else { self.clip.rest_frames() + self.edited.n_frames() }
+    }
+
+    /// Says of every plant that could not be reached which it is and by how much, one line each. Frames are those of an
+    /// export, counted from 0.
+    pub fn missed_plants(&self) -> impl Iterator<Item = String> + '_ {
+        let missed = self.holding.iter().flat_map(|holding| &holding.missed);
+        missed.map(|missed| self.missed_plant(missed))
+    }
+
+    /// The same of one plant.
+    pub fn missed_plant(&self, missed: &Missed) -> String {
+        let rest = self.clip.rest_frames();
+        let facts = &self.clip.facts;
+        let side = self.prepared.legs().nth(missed.leg).expect("a leg that is held").side.name();
+        let [first, last, frame] = [missed.first, missed.last, missed.frame].map(|frame| frame + rest);
+        format!(
+            "the {side} foot cannot reach where it stands in frames {first} to {last}: {:.2} {} short at frame {frame} ({:.4} body heights)",
+            missed.by,
+            facts.unit_word(),
+            missed.by / facts.height.value,
+        )
     }
 
     /// Returns the edited clip as a BVH file.
