@@ -153,6 +153,8 @@ pub struct Show {
     pub new_tracker: bool,
     /// The ground and its grid.
     pub ground: bool,
+    /// Where the feet stand.
+    pub footprints: bool,
     /// Trails of the new actor's end effectors.
     pub traces: bool,
     /// Names in the picture.
@@ -170,6 +172,7 @@ impl Default for Show {
             original_tracker: true,
             new_tracker: true,
             ground: true,
+            footprints: true,
             traces: false,
             labels: true,
         }

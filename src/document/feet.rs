@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{
     Edits,
-    footprint::{SourcePrint, footprints},
+    footprint::{Footprint, SourcePrint, footprints},
 };
 use crate::{
     constrain::Prepared,
@@ -60,7 +60,8 @@ pub struct Feet {
 impl Feet {
     /// Puts the user's plants among the found ones; `found` is what an earlier solve found with the same thresholds.
     pub(super) fn of(clip: &Clip, edits: &Edits, body: &Body, found: Option<&Arc<FoundFeet>>) -> Self {
-        let found = found.map_or_else(|| Arc::new(FoundFeet::of(clip, &edits.clip, body, edits.plants.detection)), Arc::clone);
+        let found =
+            found.map_or_else(|| Arc::new(FoundFeet::of(clip, &edits.clip, body, edits.plants.detection)), Arc::clone);
         let mut warnings = found.warnings.clone();
         let frames = file_frames(clip);
         let plants = with_edits(found.plants.clone(), &edits.edited_plants, frames, &mut warnings);
@@ -81,6 +82,13 @@ impl Feet {
     /// Tells whether a plant is the user's.
     pub fn is_edited(&self, foot_idx: usize, plant_idx: usize) -> bool {
         self.edited[foot_idx][plant_idx]
+    }
+
+    /// Returns where the feet stand in the source, without intended slides.
+    pub(super) fn standing_prints(&self) -> impl Iterator<Item = Footprint> {
+        let plants = self.plants.iter().flat_map(|foot| &foot.plants);
+        let stands = |(print, plant): (&SourcePrint, &Plant)| (plant.mode != PlantMode::Slide).then_some(print.print);
+        self.prints.iter().flatten().zip(plants).filter_map(stands)
     }
 
     /// Prepares the legs to be held; `clean` removes the feet's own slide from plants that are only to be held.

@@ -383,7 +383,7 @@ const EDITS: [Parameter; 26] = [
     },
 ];
 
-const SHOW: [Parameter; 10] = [
+const SHOW: [Parameter; 11] = [
     show_row!(original_skeleton, "Draw the actor as captured."),
     show_row!(new_skeleton, "Draw the actor on the new path."),
     show_row!(original_path, "Draw the path fitted to the clip."),
@@ -392,6 +392,7 @@ const SHOW: [Parameter; 10] = [
     show_row!(original_tracker, "Draw a block that walks the original path."),
     show_row!(new_tracker, "Draw a block that walks the new path."),
     show_row!(ground, "Draw the ground and its grid."),
+    show_row!(footprints, "Draw where the feet stand; crossed out where a plant could not be reached."),
     show_row!(traces, "Draw the trails of hands, feet and head on the new path."),
     show_row!(labels, "Draw names in the picture."),
 ];

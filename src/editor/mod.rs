@@ -8,6 +8,7 @@ mod area;
 mod body;
 mod camera;
 mod command;
+mod feet;
 mod keymap;
 mod panel;
 mod picture;

@@ -1,6 +1,6 @@
 //! The panel: tabs of rows, read from the parameter table.
 
-use super::Editor;
+use super::{Editor, feet};
 use crate::{
     document::{PARAMETERS, Parameter},
     measure::Pair,
@@ -15,6 +15,8 @@ pub enum Tab {
     Original,
     /// Speed along the path.
     Timing,
+    /// How plants are found and held, and the chosen foot's plants.
+    Feet,
     /// What the file holds.
     Clip,
     /// What is drawn.
@@ -28,8 +30,8 @@ pub enum Tab {
 }
 
 /// The tabs in order.
-pub const TABS: [Tab; 8] =
-    [Tab::Path, Tab::Original, Tab::Timing, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
+pub const TABS: [Tab; 9] =
+    [Tab::Path, Tab::Original, Tab::Timing, Tab::Feet, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
 
 impl Tab {
     /// Returns the tab's title.
@@ -38,6 +40,7 @@ impl Tab {
             Self::Path => "path",
             Self::Original => "original",
             Self::Timing => "timing",
+            Self::Feet => "feet",
             Self::Clip => "clip",
             Self::Show => "show",
             Self::Camera => "camera",
@@ -56,8 +59,8 @@ impl Tab {
             Self::Clip => section == "clip",
             Self::Show => section == "show",
             Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
-            Self::Quality => section == "plants",
-            Self::Residuals => false,
+            Self::Feet => section == "plants",
+            Self::Residuals | Self::Quality => false,
         }
     }
 }
@@ -91,6 +94,11 @@ pub enum RowKind {
         /// Index of the point.
         point_idx: usize,
     },
+    /// A plant of the chosen foot.
+    Plant {
+        /// Index of the plant.
+        plant_idx: usize,
+    },
     /// Something to read.
     Fact,
 }
@@ -118,13 +126,24 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
         Tab::Clip => rows.extend(fact_rows(editor)),
         Tab::Original => rows.extend(original_rows(editor)),
         Tab::Timing => rows.extend(timing_rows(editor)),
+        Tab::Feet => rows.extend(feet_rows(editor)),
         Tab::Quality => rows.extend(quality_rows(editor)),
         Tab::Show | Tab::Camera | Tab::Residuals => {}
     }
-    if let Some(row) = rows.get_mut(view.rows[view.tab_idx]) {
-        row.selected = true;
+    if let Some(row) = selected_idx(editor, &rows) {
+        rows[row].selected = true;
     }
     rows
+}
+
+/// Returns the index of the selected row; among plants it is the one that keys act on, wherever the playhead went.
+fn selected_idx(editor: &Editor, rows: &[Row]) -> Option<usize> {
+    let kept = editor.view.rows[editor.view.tab_idx].min(rows.len().checked_sub(1)?);
+    if !matches!(rows[kept].kind, RowKind::Plant { .. }) {
+        return Some(kept);
+    }
+    let (_, plant_idx) = editor.chosen_plant()?;
+    rows.iter().position(|row| row.kind == RowKind::Plant { plant_idx })
 }
 
 fn fact(label: &str, value: String, help: String) -> Row {
@@ -216,6 +235,36 @@ fn timing_rows(editor: &Editor) -> Vec<Row> {
             "Arc length of the new path, the clip's unit.".to_owned(),
         ),
     ]
+}
+
+fn feet_rows(editor: &Editor) -> Vec<Row> {
+    let solved = editor.document.solved();
+    let legs = &solved.feet.found.legs;
+    let named = legs.value.iter().map(|leg| solved.clip.skeleton.joint(leg.ankle).name.as_str());
+    let named = named.collect::<Vec<_>>().join(", ");
+    let why = format!("{} clip.legs names the legs when the guess is wrong.", sentence(&legs.why));
+    let mut rows = vec![fact("legs", if named.is_empty() { "none".to_owned() } else { format!("to {named}") }, why)];
+    let Some(foot_idx) = editor.chosen_foot() else { return rows };
+    let foot = &solved.feet.plants[foot_idx];
+    let chosen = editor.chosen_plant();
+    rows.push(fact(
+        "foot",
+        format!("{}, {} plants", foot.leg.side.name(), foot.plants.len()),
+        "F chooses the other foot, h and l walk from plant to plant, m begins what is done with one.".to_owned(),
+    ));
+    rows.extend((0..foot.plants.len()).map(|plant_idx| {
+        Row {
+            kind: RowKind::Plant { plant_idx },
+            label: format!("{} plant {}", if chosen == Some((foot_idx, plant_idx)) { '◆' } else { '●' }, plant_idx + 1),
+            value: feet::text(solved, foot_idx, plant_idx),
+            unit: "",
+            changed: solved.feet.is_edited(foot_idx, plant_idx),
+            selected: false,
+            help: "Frames of the file. 5 6 move its first, 7 8 its last; + - choose the mode, backspace is as found."
+                .to_owned(),
+        }
+    }));
+    rows
 }
 
 fn quality_rows(editor: &Editor) -> Vec<Row> {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::key::Key;
+use crate::{key::Key, motion::Side};
 
 /// What a drawn thing is; front ends choose its look by this, and [`Role::rgb`] gives the colour they share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -36,6 +36,8 @@ pub enum Role {
     Trace,
     /// A footprint.
     Footprint,
+    /// The footprint of a plant that could not be reached.
+    MissedFootprint,
     /// The ground and its grid.
     Ground,
 }
@@ -53,6 +55,7 @@ impl Role {
             Self::NewTracker => [150, 225, 160],
             Self::Trace => [230, 190, 90],
             Self::Footprint => [110, 170, 230],
+            Self::MissedFootprint => [255, 150, 0],
             Self::Ground => [70, 74, 82],
         }
     }
@@ -87,6 +90,21 @@ pub struct Mark {
     pub at: DVec3,
     /// Radius (half the edge of a cube), in the clip's length unit.
     pub radius: f64,
+}
+
+/// A footprint on the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Footprint {
+    /// What it is: reached or missed.
+    pub role: Role,
+    /// Left or right foot.
+    pub foot: Side,
+    /// Middle of the sole, world.
+    pub at: DVec3,
+    /// Where the toes point, about up, radians; 0 is +z.
+    pub heading_rad: f64,
+    /// From heel to toes, clip's length unit; positive.
+    pub length: f64,
 }
 
 /// A line of text with a place in the world.
@@ -144,6 +162,8 @@ pub struct Still {
     pub bodies: Vec<Body>,
     /// Paths, polygons, traces.
     pub curves: Vec<Curve>,
+    /// Where feet stand.
+    pub footprints: Vec<Footprint>,
     /// Control points and other marks that do not move in time.
     pub marks: Vec<Mark>,
     /// Texts that do not move in time.

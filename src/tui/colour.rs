@@ -71,7 +71,7 @@ impl Palette {
         let colour = if self.depth == Depth::Sixteen { role_of_16(role) } else { self.rgb(role.rgb()) };
         let style = Style::new().fg(colour);
         match role {
-            Role::SelectedControlPoint => style.add_modifier(Modifier::BOLD),
+            Role::SelectedControlPoint | Role::MissedFootprint => style.add_modifier(Modifier::BOLD),
             Role::Ground => style.add_modifier(Modifier::DIM),
             _ => style,
         }
@@ -139,6 +139,7 @@ fn role_of_16(role: Role) -> Color {
         Role::NewTracker => Color::LightGreen,
         Role::Trace => Color::Yellow,
         Role::Footprint => Color::LightBlue,
+        Role::MissedFootprint => Color::LightYellow,
         Role::Ground => Color::DarkGray,
     }
 }
@@ -195,7 +196,7 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 mod tests {
     use super::*;
 
-    const ROLES: [Role; 11] = [
+    const ROLES: [Role; 12] = [
         Role::OriginalSkeleton,
         Role::NewSkeleton,
         Role::OriginalPath,
@@ -206,6 +207,7 @@ mod tests {
         Role::NewTracker,
         Role::Trace,
         Role::Footprint,
+        Role::MissedFootprint,
         Role::Ground,
     ];
 

@@ -20,13 +20,13 @@ use ratatui::{
 };
 
 use super::{
-    Chart, Direction, Extent, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView, Series,
-    StatusLine, Tabs, Timeline, TimelineRow,
+    Chart, Direction, Extent, Interval, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView,
+    Series, StatusLine, Tabs, Timeline, TimelineRow,
     score::{self, side},
     text,
 };
 use crate::{
-    contact::Plant,
+    contact::FootPlants,
     editor::{Editor, Hint, Severity, TABS, Tab},
     scene::{Picture, Scene},
 };
@@ -36,7 +36,7 @@ const PANEL_MAX: u16 = 52;
 /// Narrowest panel, cells.
 const PANEL_MIN: u16 = 36;
 /// The keys the foot line shows, in this order, as far as there is room.
-const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  x y z X Y Z move  s shape  1-4 camera  u undo  q quit";
+const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  xyz XYZ move  s shape  h l plant  1-4 view  u undo  q quit";
 
 /// What the screen shows beside the editor.
 #[derive(Clone, Copy, Debug)]
@@ -202,10 +202,21 @@ fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette
     let rest = solved.clip.rest_frames();
     // A plant of the source stands where the edited clip first shows it.
     let last_shown = solved.edited.n_frames().min(solved.clip.n_frames()) - 1;
-    let shown =
-        |plant: &Plant| (plant.first <= last_shown).then(|| plant.first + rest..=plant.last.min(last_shown) + rest);
-    let intervals: Vec<Vec<_>> =
-        solved.feet.plants.iter().map(|foot| foot.plants.iter().filter_map(shown).collect()).collect();
+    let chosen = editor.chosen_plant();
+    let shown = |foot_idx: usize, plant_idx: usize| {
+        let plant = &solved.feet.plants[foot_idx].plants[plant_idx];
+        (plant.first <= last_shown).then(|| Interval {
+            frames: plant.first + rest..=plant.last.min(last_shown) + rest,
+            mode: plant.mode,
+            edited: solved.feet.is_edited(foot_idx, plant_idx),
+            missed: solved.missed(foot_idx, plant_idx).is_some(),
+            chosen: chosen == Some((foot_idx, plant_idx)),
+        })
+    };
+    let of_foot = |(foot_idx, foot): (usize, &FootPlants)| {
+        (0..foot.plants.len()).filter_map(|plant_idx| shown(foot_idx, plant_idx)).collect()
+    };
+    let intervals: Vec<Vec<Interval>> = solved.feet.plants.iter().enumerate().map(of_foot).collect();
     let feet = solved.feet.plants.iter().zip(&intervals);
     let rows: Vec<_> = feet.map(|(foot, intervals)| TimelineRow { label: side(foot), intervals }).collect();
     let timeline = Timeline {
