@@ -20,8 +20,18 @@ const UPRIGHT: f64 = 1e-11;
 /// Joints that an edit may turn, with what that takes of the source.
 #[derive(Clone, Debug, Default)]
 pub struct Turning {
-    /// By joint, parents first: world rotation of its parent at each source frame.
-    joints: Vec<(JointId, Vec<DQuat>)>,
+    /// Parents first.
+    joints: Vec<TurningJoint>,
+}
+
+/// A joint that may turn, at each source frame.
+#[derive(Clone, Debug)]
+struct TurningJoint {
+    joint: JointId,
+    /// World rotation of its parent.
+    parent: Vec<DQuat>,
+    /// Inverse of its own world rotation.
+    undone: Vec<DQuat>,
 }
 
 /// A body where an edit has it.
@@ -48,16 +58,18 @@ impl Turning {
         let mut joints: Vec<JointId> = joints.into_iter().collect();
         joints.sort_unstable_by_key(|joint| joint.idx());
         joints.dedup();
-        let parents = joints.into_iter().map(|joint| {
+        let turning = joints.into_iter().map(|joint| {
             let parent = clip.skeleton.joint(joint).parent.expect("no root");
-            (joint, clip.joint_track(parent).iter().map(|rigid| rigid.rotation).collect())
+            let parent: Vec<DQuat> = clip.joint_track(parent).iter().map(|rigid| rigid.rotation).collect();
+            let own = parent.iter().enumerate().map(|(f, &above)| above * clip.rotations(f)[joint.idx()]);
+            TurningJoint { joint, undone: own.map(|rotation| rotation.conjugate()).collect(), parent }
         });
-        Self { joints: parents.collect() }
+        Self { joints: turning.collect() }
     }
 
-    fn parent_rotations(&self, joint: JointId) -> &[DQuat] {
-        let at = self.joints.binary_search_by_key(&joint.idx(), |(joint, _)| joint.idx());
-        &self.joints[at.expect("every turned joint is prepared")].1
+    fn joint(&self, joint: JointId) -> &TurningJoint {
+        let at = self.joints.binary_search_by_key(&joint.idx(), |turning| turning.joint.idx());
+        &self.joints[at.expect("every turned joint is prepared")]
     }
 }
 
@@ -94,15 +106,14 @@ impl Body {
             let turned = edited.turned.iter().find(|turned| turned.joint.idx() == idx);
             piece_of_joint.push(match (place, turned) {
                 (Some(above), Some(turned)) => {
-                    let parents = turning.parent_rotations(turned.joint);
-                    let turn = |(edited_frame, (above, &f)): (usize, (&Rigid, &u32))| {
+                    let source = turning.joint(turned.joint);
+                    let turn = |((above, &f), &rotation): ((&Rigid, &u32), &DQuat)| {
                         let f = f as usize;
-                        let by = turned.rotations[edited_frame] * clip.rotations(f)[idx].conjugate();
-                        let rotation = above.rotation * (parents[f] * by * parents[f].conjugate());
+                        let rotation = above.rotation * (source.parent[f] * rotation * source.undone[f]);
                         let pivot = self.tracks.position(idx, f);
                         Rigid::new(rotation, above.point(pivot) - rotation * pivot)
                     };
-                    let moves = pieces[above].moves.iter().zip(frames).enumerate().map(turn).collect();
+                    let moves = pieces[above].moves.iter().zip(frames).zip(&turned.rotations).map(turn).collect();
                     pieces.push(Piece::new(moves));
                     Some(pieces.len() - 1)
                 }
