@@ -279,11 +279,18 @@ fn the_still_part_is_new_only_when_it_changes() {
     assert_ne!(first.revision, e.scene().still.revision);
 }
 
-/// The chosen foot's plants: first and last frame, and mode; the chosen one first.
-fn plants(editor: &Editor) -> (usize, Vec<(usize, usize, PlantMode)>) {
+/// A foot's plants: first and last frame, and mode.
+type Plants = Vec<(usize, usize, PlantMode)>;
+
+/// The chosen foot's plants; the chosen one's index first.
+fn plants(editor: &Editor) -> (usize, Plants) {
     let (foot_idx, plant_idx) = editor.chosen_plant().expect("the built-in clip has plants");
     let plants = &editor.document().solved().feet.plants[foot_idx].plants;
     (plant_idx, plants.iter().map(|p| (p.first, p.last, p.mode)).collect())
+}
+
+fn selected_row(editor: &Editor) -> walkabout::editor::Row {
+    editor.rows().into_iter().find(|r| r.selected).expect("a selected row")
 }
 
 fn message(editor: &Editor) -> String {
@@ -355,7 +362,7 @@ fn plants_are_split_joined_deleted_and_added_and_undone() {
     let before = plants(&start).1;
     let n = before.len();
     let (first, last, mode) = before[1];
-    let check = |keys: &str, expected: &dyn Fn(&mut Vec<(usize, usize, PlantMode)>)| {
+    let check = |keys: &str, expected: &dyn Fn(&mut Plants)| {
         let mut e = start.clone();
         e.keys(keys);
         let mut wanted = before.clone();
@@ -401,7 +408,8 @@ fn modes_are_set_by_keys_and_on_the_panel_and_taken_back() {
     let mut e = editor();
     e.keys("<tab><tab><tab>");
     assert_eq!(TABS[e.view().tab_idx].title(), "feet");
-    let selected = |e: &Editor| e.rows().into_iter().find(|r| r.selected).expect("a selected row");
+    assert_eq!(selected_row(&e).label, "plants.hold");
+    let selected = selected_row;
     while !selected(&e).label.ends_with("plant 2") {
         e.keys("j");
     }
@@ -415,6 +423,10 @@ fn modes_are_set_by_keys_and_on_the_panel_and_taken_back() {
     assert_eq!(selected(&e).label, "◆ plant 3", "the selection goes along");
     e.keys("h<backspace>");
     assert!(!selected(&e).changed, "as found");
+    e.keys("0kkkkkkkkkk");
+    assert_eq!(selected(&e).label, "plants.hold");
+    e.keys("l");
+    assert_eq!(selected(&e).label, "◆ plant 2", "walking goes to the plant's row");
     e.keys("lmdmr");
     assert!(e.document().edits().edited_plants.is_empty() && e.rows().iter().all(|r| !r.changed));
     e.keys("md");

@@ -4,7 +4,7 @@
 //! nearest to it. Walking from plant to plant moves the playhead, and so does moving an end of a plant, so that the
 //! foot is seen where it is edited.
 
-use super::{Editor, Effect, Message};
+use super::{Editor, Effect, Message, RowKind, TABS, Tab};
 use crate::{
     contact::{Plant, PlantChange, PlantMode},
     document::{Change, Solved},
@@ -95,7 +95,18 @@ pub(super) fn go_to(editor: &mut Editor, plant_idx: usize) {
     let plants = &editor.document.solved().feet.plants[foot_idx].plants;
     if let Some(first) = plants.get(plant_idx).map(|p| p.first) {
         show(editor, first);
+        show_plant_row(editor);
         tell(editor);
+    }
+}
+
+/// Moves the panel's selection to the plant that keys act on, where the panel shows plants.
+fn show_plant_row(editor: &mut Editor) {
+    let Some((_, plant_idx)) = editor.chosen_plant() else { return };
+    if TABS[editor.view.tab_idx] == Tab::Feet
+        && let Some(row) = editor.rows().iter().position(|row| row.kind == RowKind::Plant { plant_idx })
+    {
+        editor.view.rows[editor.view.tab_idx] = row;
     }
 }
 
@@ -125,10 +136,7 @@ fn tell(editor: &mut Editor) {
 pub(super) fn text(solved: &Solved, foot_idx: usize, plant_idx: usize) -> String {
     let plant = &solved.feet.plants[foot_idx].plants[plant_idx];
     let [first, last] = [plant.first, plant.last].map(|frame| solved.clip.file_frame(frame));
-    let missed = solved.missed(foot_idx, plant_idx).map_or_else(String::new, |missed| {
-        let facts = &solved.clip.facts;
-        format!(", missed by {:.3} H", missed.by / facts.height.value)
-    });
+    let missed = if solved.missed(foot_idx, plant_idx).is_some() { " ! missed" } else { "" };
     format!("{first}–{last} {}{missed}", mode_name(plant.mode))
 }
 
@@ -234,6 +242,7 @@ fn change(editor: &mut Editor, command: &'static str, change: PlantChange) {
 fn make(editor: &mut Editor, command: &'static str, change: &Change) {
     editor.view.playing = false;
     editor.change(command, change);
+    show_plant_row(editor);
     if editor.view.message.is_none() {
         tell(editor);
     }

@@ -247,22 +247,24 @@ fn feet_rows(editor: &Editor) -> Vec<Row> {
     let Some(foot_idx) = editor.chosen_foot() else { return rows };
     let foot = &solved.feet.plants[foot_idx];
     let chosen = editor.chosen_plant();
+    let keys = "Frames of the file. 5 6 move its first, 7 8 its last; + - choose the mode, backspace is as found.";
+    let help = |plant_idx| match solved.missed(foot_idx, plant_idx) {
+        Some(missed) => sentence(&solved.missed_plant(missed)),
+        None => keys.to_owned(),
+    };
     rows.push(fact(
         "foot",
         format!("{}, {} plants", foot.leg.side.name(), foot.plants.len()),
         "F chooses the other foot, h and l walk from plant to plant, m begins what is done with one.".to_owned(),
     ));
-    rows.extend((0..foot.plants.len()).map(|plant_idx| {
-        Row {
-            kind: RowKind::Plant { plant_idx },
-            label: format!("{} plant {}", if chosen == Some((foot_idx, plant_idx)) { '◆' } else { '●' }, plant_idx + 1),
-            value: feet::text(solved, foot_idx, plant_idx),
-            unit: "",
-            changed: solved.feet.is_edited(foot_idx, plant_idx),
-            selected: false,
-            help: "Frames of the file. 5 6 move its first, 7 8 its last; + - choose the mode, backspace is as found."
-                .to_owned(),
-        }
+    rows.extend((0..foot.plants.len()).map(|plant_idx| Row {
+        kind: RowKind::Plant { plant_idx },
+        label: format!("{} plant {}", if chosen == Some((foot_idx, plant_idx)) { '◆' } else { '●' }, plant_idx + 1),
+        value: feet::text(solved, foot_idx, plant_idx),
+        unit: "",
+        changed: solved.feet.is_edited(foot_idx, plant_idx),
+        selected: false,
+        help: help(plant_idx),
     }));
     rows
 }
