@@ -17,6 +17,7 @@ mod project;
 mod solve;
 mod solved;
 mod source;
+mod strain;
 mod table;
 
 use std::{path::Path, path::PathBuf, sync::Arc};
@@ -38,6 +39,7 @@ pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
+pub use strain::{Cause, Strain};
 pub use table::{PARAMETERS, parameter};
 
 /// A source being edited: its history and its newest result.

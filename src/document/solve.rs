@@ -15,7 +15,7 @@ use std::{panic::resume_unwind, sync::Arc, thread};
 
 use glam::DVec3;
 
-use super::{Edits, Feet, Solved, Source, holding::Carriage};
+use super::{Edits, Feet, Solved, Source, holding::Carriage, strain::Asked};
 use crate::{
     curve::BSpline,
     math::Rigid,
@@ -113,6 +113,16 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         }
     };
 
+    let strains = reuse(
+        same_edit,
+        |p| &p.strains,
+        || {
+            let holding = holding.as_deref();
+            let asked = Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &prepared, holding };
+            if walks { asked.strains() } else { Vec::new() }
+        },
+    );
+
     let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
     let (measures, foot_numbers) = match (same_edit, same_steps) {
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
@@ -158,6 +168,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         turning,
         edited,
         holding,
+        strains,
         measures,
         feet,
         foot_numbers,

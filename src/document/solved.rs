@@ -4,7 +4,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Edits, Feet, Footprint, Holding};
+use super::{Cause, Edits, Feet, Footprint, Holding, Strain};
 use crate::{
     bvh::Bvh,
     constrain::{self, Missed, Prepared},
@@ -58,6 +58,8 @@ pub struct Solved {
     pub edited: Arc<EditedClip>,
     /// What holding the feet did; none while they are not held.
     pub holding: Option<Arc<Holding>>,
+    /// Where the edit asks more than a body can do.
+    pub strains: Arc<Vec<Strain>>,
     /// Quality numbers.
     pub measures: Arc<Measures>,
     /// Legs and foot plants of the source.
@@ -198,6 +200,57 @@ impl Solved {
             facts.unit_word(),
             missed.by / facts.height.value,
         )
+    }
+
+    /// Says what a strain is and by how much, in words.
+    pub fn strain(&self, strain: &Strain) -> String {
+        let facts = &self.clip.facts;
+        let (height, unit) = (facts.height.value, facts.unit_word());
+        let length = |l: f64| format!("{l:.2} {unit} ({:.2} body heights)", l / height);
+        match strain.cause {
+            Cause::Bend { radius, feasible, speed } => format!(
+                "the path bends with a radius of {}; walked at {speed:.2} {unit}/s it takes {feasible:.2} {unit}",
+                length(radius)
+            ),
+            Cause::Stride { leg, length: stride, longest } => format!(
+                "a stride of the {} foot is {} long; the clip's own longest is {longest:.2} {unit}",
+                leg.side.name(),
+                length(stride)
+            ),
+            Cause::Reach { missed } => {
+                let holding = self.holding.as_ref().expect("only held feet are out of reach");
+                self.missed_plant(&holding.missed[missed])
+            }
+        }
+    }
+
+    /// Says what is too much at an edited frame, one line each.
+    pub fn why(&self, edited_frame: usize) -> Vec<String> {
+        let here = self.strains.iter().filter(|strain| strain.frames.contains(&edited_frame));
+        here.map(|strain| self.strain(strain)).collect()
+    }
+
+    /// Returns the new path in pieces for drawing, `n` points over its whole length: what asks too much of a body, and
+    /// the rest. Neighbouring pieces share a point.
+    pub fn new_path_pieces(&self, n: usize) -> Vec<(Option<Cause>, Vec<DVec3>)> {
+        let points = self.new_path.polyline(n);
+        let spacing = self.new_path.length() / (n.max(2) - 1) as f64;
+        let mut asked: Vec<Option<Cause>> = vec![None; points.len() - 1];
+        for strain in self.strains.iter() {
+            let arc = |frame: usize| self.timing.arc_lengths[frame.min(self.timing.n_frames() - 1)];
+            let (from, to) = (arc(strain.frames.start), arc(strain.frames.end - 1));
+            let first = ((from / spacing).floor() as usize).min(asked.len() - 1);
+            let last = ((to / spacing).ceil() as usize).clamp(first + 1, asked.len());
+            asked[first..last].fill(Some(strain.cause));
+        }
+        let mut pieces: Vec<(Option<Cause>, Vec<DVec3>)> = Vec::new();
+        for (pair, cause) in points.windows(2).zip(asked) {
+            match pieces.last_mut() {
+                Some((last, piece)) if *last == cause => piece.push(pair[1]),
+                _ => pieces.push((cause, pair.to_vec())),
+            }
+        }
+        pieces
     }
 
     /// Returns the edited clip as a BVH file.

@@ -24,6 +24,8 @@ pub enum Role {
     OriginalPath,
     /// The path the user draws.
     NewPath,
+    /// A stretch of the new path that asks too much of a body.
+    Strain,
     /// A control point of the new path, and the polygon through them.
     ControlPoint,
     /// The control point that keys act on.
@@ -49,13 +51,13 @@ impl Role {
             Self::OriginalSkeleton => [214, 69, 65],
             Self::NewSkeleton => [72, 187, 98],
             Self::OriginalPath | Self::NewPath => [240, 240, 240],
+            Self::Strain | Self::MissedFootprint => [240, 150, 50],
             Self::ControlPoint => [155, 89, 214],
             Self::SelectedControlPoint => [255, 120, 200],
             Self::OriginalTracker => [236, 145, 120],
             Self::NewTracker => [150, 225, 160],
             Self::Trace => [230, 190, 90],
             Self::Footprint => [110, 170, 230],
-            Self::MissedFootprint => [255, 150, 0],
             Self::Ground => [70, 74, 82],
         }
     }

@@ -137,9 +137,9 @@ fn role_of_16(role: Role) -> Color {
         Role::SelectedControlPoint => Color::LightMagenta,
         Role::OriginalTracker => Color::LightRed,
         Role::NewTracker => Color::LightGreen,
+        Role::Strain | Role::MissedFootprint => Color::LightYellow,
         Role::Trace => Color::Yellow,
         Role::Footprint => Color::LightBlue,
-        Role::MissedFootprint => Color::LightYellow,
         Role::Ground => Color::DarkGray,
     }
 }
@@ -196,11 +196,12 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 mod tests {
     use super::*;
 
-    const ROLES: [Role; 12] = [
+    const ROLES: [Role; 13] = [
         Role::OriginalSkeleton,
         Role::NewSkeleton,
         Role::OriginalPath,
         Role::NewPath,
+        Role::Strain,
         Role::ControlPoint,
         Role::SelectedControlPoint,
         Role::OriginalTracker,
@@ -266,7 +267,7 @@ mod tests {
             let mut seen: Vec<Color> = Vec::new();
             for role in ROLES {
                 let colour = Palette::new(depth).role(role).fg.expect("roles have a colour");
-                if role != Role::NewPath {
+                if !matches!(role, Role::NewPath | Role::MissedFootprint) {
                     assert!(!seen.contains(&colour), "{role:?} at {depth:?}");
                 }
                 seen.push(colour);
