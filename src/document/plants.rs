@@ -17,7 +17,7 @@ pub enum PlantRefusal {
     #[error("that end of the plant cannot move further")]
     NoRoom,
     /// The frame is not inside a plant.
-    #[error("a plant is split at a frame between its first and its last; the playhead is in none")]
+    #[error("a plant is split at a frame between its first and its last; move the playhead there")]
     NotInside,
     /// There is no plant after this one.
     #[error("there is no next plant to join")]

@@ -118,14 +118,7 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Play, "frame.previous", &[","], "One frame back.", has_motion, |e, _| step_frame(e, -1)),
     row(Group::Play, "frame.start", &["<home>", "0"], "Jump to the start.", has_motion, |e, _| jump(e, 0)),
     row(Group::Play, "frame.end", &["<end>", "$"], "Jump to the end.", has_motion, |e, _| jump(e, usize::MAX)),
-    row(
-        Group::Play,
-        "why",
-        &["W"],
-        "What is too much to ask of the body at this frame, or the next one.",
-        path_editable,
-        |e, _| why(e),
-    ),
+    row(Group::Play, "why", &["W"], "What is too much here, or at the next such frame.", path_editable, |e, _| why(e)),
     row(Group::Play, "speed.down", &["<lt>"], "Play slower.", always, |e, c| {
         step_value(e, c, "timing.speed", -1, false)
     }),
@@ -213,10 +206,10 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Feet, "plant.last_later", &["8"], "It ends a frame later.", feet::has_plant, |e, c| {
         feet::move_last(e, c, 1)
     }),
-    row(Group::Feet, "plant.hold", &["mh"], "Hold the plant: the foot's own slide stays.", feet::has_plant, |e, c| {
+    row(Group::Feet, "plant.hold", &["mh"], "Hold it: the foot's own slide stays.", feet::has_plant, |e, c| {
         feet::set_mode(e, c, PlantMode::Hold)
     }),
-    row(Group::Feet, "plant.clean", &["mc"], "Pin it: the foot's own slide goes too.", feet::has_plant, |e, c| {
+    row(Group::Feet, "plant.clean", &["mc"], "Pin it: its own slide goes too.", feet::has_plant, |e, c| {
         feet::set_mode(e, c, PlantMode::Clean)
     }),
     row(Group::Feet, "plant.slide", &["ms"], "An intended slide: leave it alone.", feet::has_plant, |e, c| {

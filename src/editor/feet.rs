@@ -132,12 +132,12 @@ fn tell(editor: &mut Editor) {
     editor.say(Message::note(text));
 }
 
-/// Returns a plant's frames in the file, its mode and whether it was missed.
+/// Returns a plant's frames in the file and its mode, a `!` before them when it was missed.
 pub(super) fn text(solved: &Solved, foot_idx: usize, plant_idx: usize) -> String {
     let plant = &solved.feet.plants[foot_idx].plants[plant_idx];
     let [first, last] = [plant.first, plant.last].map(|frame| solved.clip.file_frame(frame));
-    let missed = if solved.missed(foot_idx, plant_idx).is_some() { " ! missed" } else { "" };
-    format!("{first}–{last} {}{missed}", mode_name(plant.mode))
+    let missed = if solved.missed(foot_idx, plant_idx).is_some() { "! " } else { "" };
+    format!("{missed}{first}–{last} {}", mode_name(plant.mode))
 }
 
 /// Moves the plant's first frame.
