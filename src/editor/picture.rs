@@ -242,7 +242,7 @@ fn caption(solved: &Solved, view: &ViewState) -> String {
         "{}  frame {} of {}  {:.2} s  {}",
         solved.source.name,
         view.rest_frame.unwrap_or(view.frame_idx + rest),
-        solved.edited.n_frames() + rest,
+        solved.edited.n_frames() + rest - 1,
         view.frame_idx as f64 * solved.clip.frame_time_secs,
         if view.playing { "playing" } else { "paused" },
     )

@@ -79,7 +79,7 @@ fn playback(editor: &Editor) -> String {
     let view = editor.view();
     let solved = editor.document().solved();
     let rest = solved.clip.rest_frames();
-    format!("frame {}/{}  {}", view.frame_idx + rest, solved.edited.n_frames() + rest, sign(editor))
+    format!("frame {}/{}  {}", view.frame_idx + rest, solved.edited.n_frames() + rest - 1, sign(editor))
 }
 
 fn sign(editor: &Editor) -> &'static str {

@@ -138,7 +138,7 @@ fn everything_stands_in_its_place() {
     assert!(start[22].ends_with(" H    ‖ paused"), "{}", start[22]);
     let wide = screen("", (120, 40));
     assert!(wide[38].starts_with("feet L 0."), "{}", wide[38]);
-    assert!(wide[38].ends_with("  point 1  camera 1  frame 0/570  ‖ paused"), "{}", wide[38]);
+    assert!(wide[38].ends_with("  point 1  camera 1  frame 0/569  ‖ paused"), "{}", wide[38]);
     let wider = screen("", (180, 40));
     assert!(wider[38].contains(" cm/s · slip L 0."), "{}", wider[38]);
     assert!(start[23].starts_with("? keys  space play  tab panel "), "{}", start[23]);
