@@ -1,6 +1,7 @@
 //! Key triples: a clip, keys, the state that follows.
 
 use walkabout::{
+    contact::{PlantEditMode, PlantMode},
     document::{self, Change, Document},
     editor::{Editor, Effect, RowKind, TABS},
 };
@@ -241,9 +242,19 @@ fn cameras_are_chosen_moved_and_reset() {
 #[test]
 fn every_drawn_object_can_be_hidden() {
     let full = editor().scene();
-    for (keys, same) in
-        [("vo", 0), ("vn", 0), ("vO", 0), ("vN", 0), ("vc", 0), ("vT", 0), ("vt", 0), ("vg", 0), ("vl", 0), ("vr", 0)]
-    {
+    for (keys, same) in [
+        ("vo", 0),
+        ("vn", 0),
+        ("vO", 0),
+        ("vN", 0),
+        ("vc", 0),
+        ("vT", 0),
+        ("vt", 0),
+        ("vg", 0),
+        ("vl", 0),
+        ("vr", 0),
+        ("vf", 0),
+    ] {
         let mut e = editor();
         e.keys(keys);
         let scene = e.scene();
@@ -303,4 +314,188 @@ fn the_still_part_is_new_only_when_it_changes() {
     assert!(std::sync::Arc::ptr_eq(&first, &e.scene().still));
     e.keys("x");
     assert_ne!(first.revision, e.scene().still.revision);
+}
+
+/// A foot's plants: first and last frame, and mode.
+type Plants = Vec<(usize, usize, PlantMode)>;
+
+/// The chosen foot's plants; the chosen one's index first.
+fn plants(editor: &Editor) -> (usize, Plants) {
+    let (foot_idx, plant_idx) = editor.chosen_plant().expect("the built-in clip has plants");
+    let plants = &editor.document().solved().feet.plants[foot_idx].plants;
+    (plant_idx, plants.iter().map(|p| (p.first, p.last, p.mode)).collect())
+}
+
+fn selected_row(editor: &Editor) -> walkabout::editor::Row {
+    editor.rows().into_iter().find(|r| r.selected).expect("a selected row")
+}
+
+fn message(editor: &Editor) -> String {
+    editor.view().message.as_ref().map_or_else(String::new, |m| m.text.clone())
+}
+
+#[test]
+fn plants_are_walked_and_the_playhead_follows() {
+    let mut e = editor();
+    let (chosen, left) = plants(&e);
+    assert_eq!((chosen, left[0].0), (0, 0), "it stands when the clip begins");
+    for idx in 1..left.len() {
+        e.keys("l");
+        assert_eq!((e.view().frame_idx, plants(&e).0), (left[idx].0, idx));
+        assert!(message(&e).starts_with(&format!("left plant {} of {}: ", idx + 1, left.len())), "{}", message(&e));
+    }
+    e.keys("l");
+    assert_eq!(e.view().frame_idx, 0, "round at the end");
+    e.keys("hh");
+    assert_eq!(plants(&e).0, left.len() - 2);
+    // Between two plants the next and the one before are the neighbours.
+    e.keys("0l,,");
+    assert_eq!(e.view().frame_idx, left[1].0 - 2);
+    e.keys("h");
+    assert_eq!(e.view().frame_idx, left[0].0);
+    e.keys("l,,l");
+    assert_eq!(e.view().frame_idx, left[1].0);
+    e.keys("F");
+    assert_eq!(e.view().frame_idx, left[1].0, "choosing a foot leaves the playhead");
+    let right = plants(&e).1;
+    assert_ne!(right, left);
+    e.keys("0l");
+    assert_eq!(e.view().frame_idx, right[1].0);
+    e.keys("FF");
+    assert_eq!(plants(&e).1, right);
+    assert_eq!(e.document().depth(), (0, 0), "looking is no edit");
+}
+
+#[test]
+fn ends_of_plants_move_by_frames_and_are_shown() {
+    let mut e = editor();
+    e.keys("ll");
+    let (_, before) = plants(&e);
+    let (first, last, mode) = before[2];
+    let now = |e: &Editor| plants(e).1[2];
+    e.keys("5");
+    assert_eq!((now(&e), e.view().frame_idx), ((first - 1, last, mode), first - 1));
+    e.keys("666");
+    assert_eq!((now(&e), e.view().frame_idx), ((first + 2, last, mode), first + 2));
+    e.keys("8");
+    assert_eq!((now(&e), e.view().frame_idx), ((first + 2, last + 1, mode), last + 1));
+    e.keys("777");
+    assert_eq!((now(&e), e.view().frame_idx), ((first + 2, last - 2, mode), last - 2));
+    assert_eq!(e.document().depth(), (4, 0), "a held key is one step");
+    e.keys("u");
+    assert_eq!(now(&e), (first + 2, last + 1, mode));
+    e.keys("uuu");
+    assert_eq!(plants(&e).1, before);
+    assert!(e.document().edits().edited_plants.is_empty());
+    e.keys("5");
+    e.keys(&"5".repeat(400));
+    assert_eq!(now(&e).0, before[1].1 + 2, "a frame stays free between two plants");
+    assert_eq!(message(&e), "that end of the plant cannot move further");
+}
+
+#[test]
+fn plants_are_split_joined_deleted_and_added_and_undone() {
+    let start = editor();
+    let before = plants(&start).1;
+    let n = before.len();
+    let (first, last, mode) = before[1];
+    let check = |keys: &str, expected: &dyn Fn(&mut Plants)| {
+        let mut e = start.clone();
+        e.keys(keys);
+        let mut wanted = before.clone();
+        expected(&mut wanted);
+        assert_eq!(plants(&e).1, wanted, "after {keys}: {}", message(&e));
+        assert_eq!(e.document().depth().0, 1, "after {keys}");
+        e.keys("u");
+        assert_eq!(plants(&e).1, before, "undone: {keys}");
+    };
+    check("l...mx", &|p| {
+        p[1].1 = first + 2;
+        p.insert(2, (first + 4, last, mode));
+    });
+    check("lmj", &|p| p[1].1 = p.remove(2).1);
+    check("lmd", &|p| {
+        p.remove(1);
+    });
+    check("l,,,,,,ma", &|p| p.insert(1, (first - 6, first - 2, mode)));
+    let refused = |keys: &str, why: &str| {
+        let mut e = start.clone();
+        e.keys(keys);
+        assert!(message(&e).contains(why), "after {keys}: {}", message(&e));
+        assert_eq!((plants(&e).1.len(), e.document().depth()), (n, (0, 0)));
+    };
+    refused("lmx", "split at a frame between");
+    refused("hmj", "no next plant");
+    refused("lma", "stands here already");
+    refused("mr", "as found");
+}
+
+#[test]
+fn modes_are_set_by_keys_and_on_the_panel_and_taken_back() {
+    let mode = |keys: &str| {
+        let mut e = editor();
+        e.keys("l");
+        e.keys(keys);
+        plants(&e).1[1].2
+    };
+    assert_eq!(mode("mc"), PlantMode::Clean);
+    assert_eq!(mode("ms"), PlantMode::Slide);
+    assert_eq!(mode("msmh"), PlantMode::Hold);
+    assert_eq!(mode("mcu"), PlantMode::Hold);
+    let mut e = editor();
+    e.keys("<tab><tab><tab>");
+    assert_eq!(TABS[e.view().tab_idx].title(), "feet");
+    assert_eq!(selected_row(&e).label, "plants.hold");
+    let selected = selected_row;
+    while !selected(&e).label.ends_with("plant 2") {
+        e.keys("j");
+    }
+    assert_eq!(e.view().frame_idx, plants(&e).1[1].0, "the playhead goes to the selected plant");
+    assert_eq!(selected(&e).label, "◆ plant 2");
+    e.keys("+");
+    assert!(selected(&e).value.ends_with(" clean") && selected(&e).changed, "{:?}", selected(&e));
+    e.keys("-8");
+    assert!(selected(&e).value.ends_with(" hold") && selected(&e).changed, "{:?}", selected(&e));
+    e.keys("l");
+    assert_eq!(selected(&e).label, "◆ plant 3", "the selection goes along");
+    e.keys("h<backspace>");
+    assert!(!selected(&e).changed, "as found");
+    e.keys("0kkkkkkkkkk");
+    assert_eq!(selected(&e).label, "plants.hold");
+    e.keys("l");
+    assert_eq!(selected(&e).label, "◆ plant 2", "walking goes to the plant's row");
+    e.keys("lmdmr");
+    assert!(e.document().edits().edited_plants.is_empty() && e.rows().iter().all(|r| !r.changed));
+    e.keys("md");
+    assert_eq!(e.document().edits().edited_plants[0].mode, PlantEditMode::None);
+}
+
+#[test]
+fn edited_plants_are_saved_and_come_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = folder.path().join("walk.toml");
+    let mut e = editor();
+    e.keys("lmcl8Flmdsc");
+    e.keys(&format!("S{}<enter>", project.display()));
+    assert_eq!(e.document().edits().edited_plants.len(), 3);
+    let text = std::fs::read_to_string(&project).expect("saved");
+    assert_eq!(text.matches("[[plant]]\nfoot = ").count(), 3, "{text}");
+    let opened = document::open(Some(&project)).expect("the project opens");
+    assert_eq!(opened.edits, **e.document().edits());
+    let again = Editor::new(Document::new(opened), Vec::new());
+    assert_eq!(again.document().solved().feet.plants, e.document().solved().feet.plants);
+}
+
+#[test]
+fn legs_are_typed_whole_and_wrong_ones_are_told() {
+    let mut e = editor();
+    let legs = "[{ side = \"left\", hip = \"RightHip\", knee = \"RightKnee\", ankle = \"Nowhere\" }]";
+    e.keys(&format!(":clip.legs={}<enter>", legs.replace(' ', "<space>")));
+    assert!(message(&e).contains("\"Nowhere\""), "{}", message(&e));
+    e.keys("<tab><tab><tab><tab>");
+    while e.rows().iter().find(|r| r.selected).is_none_or(|r| r.label != "clip.legs") {
+        e.keys("j");
+    }
+    e.keys("<enter>");
+    assert_eq!(e.prompt().expect("typing").text, legs, "the list is offered, not its length");
 }

@@ -184,7 +184,7 @@ fn foreign_bytes_and_other_versions_are_named() {
     let mut bytes = scene_bytes(&messages());
     bytes[9] = 99;
     let error = end(&bytes).expect_err("another version");
-    assert_eq!(error.to_string(), "the link speaks version 99, this program version 1");
+    assert_eq!(error.to_string(), "the link speaks version 99, this program version 2");
 }
 
 #[test]

@@ -191,6 +191,7 @@ mod tests {
             body_height: 1.0,
             bodies: vec![],
             curves: vec![],
+            footprints: vec![],
             marks: vec![],
             labels: vec![],
             ground: None,

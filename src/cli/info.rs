@@ -58,7 +58,7 @@ fn legs(solved: &Solved) -> Vec<serde_json::Value> {
             "toe": point_name(skeleton, leg.toe),
         })
     };
-    solved.feet.legs.value.iter().map(leg).collect()
+    solved.feet.found.legs.value.iter().map(leg).collect()
 }
 
 /// Plants by side, as frames of the file, last inclusive.
@@ -92,7 +92,7 @@ fn text(solved: &Solved) -> String {
     line("rest frames", facts.rest_frames.value.to_string(), &facts.rest_frames.why);
     line("height", format!("{:.4}", facts.height.value), &facts.height.why);
     line("unit", facts.unit.value.unwrap_or("unknown").to_owned(), &facts.unit.why);
-    let found = &solved.feet.legs;
+    let found = &solved.feet.found.legs;
     let feet: Vec<_> = found.value.iter().map(|leg| clip.skeleton.joint(leg.ankle).name.as_str()).collect();
     line("legs", if feet.is_empty() { "none".to_owned() } else { format!("to {}", feet.join(", ")) }, &found.why);
     for foot in &solved.feet.plants {

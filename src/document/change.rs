@@ -10,12 +10,16 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{
-    Edits, Solved, Source,
+    Edits, PlantRefusal, Solved, Source,
     parameter::{MAX_POINTS, SetError},
-    solve,
+    plants, solve,
     table::parameter,
 };
-use crate::path::{self, Shape};
+use crate::{
+    contact::PlantChange,
+    motion::Side,
+    path::{self, Shape},
+};
 
 /// One change of the edits.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +50,20 @@ pub enum Change {
     },
     /// Back to the straight line.
     Straighten,
+    /// Something is done to a foot's plants.
+    Plant {
+        /// Side of the foot.
+        foot: Side,
+        /// What; plants by their index among the foot's, frames of the clip.
+        change: PlantChange,
+    },
+    /// What the user did to a foot's plants is taken back: to one of them, by its index, or to all.
+    PlantsAsFound {
+        /// Side of the foot.
+        foot: Side,
+        /// Index of the plant; none: all, the deleted ones too.
+        plant: Option<usize>,
+    },
 }
 
 /// A change that cannot be made.
@@ -54,6 +72,9 @@ pub enum ChangeError {
     /// A name or a value that the parameter table does not take.
     #[error(transparent)]
     Parameter(#[from] SetError),
+    /// A plant that cannot be changed so.
+    #[error(transparent)]
+    Plant(#[from] PlantRefusal),
     /// No more control points fit.
     #[error("a path has at most {MAX_POINTS} control points")]
     TooManyPoints,
@@ -102,6 +123,8 @@ pub(super) fn next(solved: &Solved, change: &Change) -> Result<(Edits, Vec<Strin
             give(&mut edits, points);
         }
         Change::Straighten => edits.path.control_points = None,
+        Change::Plant { foot, change } => plants::change(solved, &mut edits, *foot, *change)?,
+        Change::PlantsAsFound { foot, plant } => plants::as_found(solved, &mut edits, *foot, *plant)?,
     }
     Ok((edits, warnings))
 }

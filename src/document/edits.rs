@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     constrain::Ground,
-    contact::Thresholds,
+    contact::{PlantEdit, Thresholds},
     motion::ClipOptions,
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
@@ -30,6 +30,8 @@ pub struct Edits {
     pub loops: LoopEdits,
     /// How foot plants are found and held.
     pub plants: PlantsEdits,
+    /// Plants edited by hand (`plant`), in file frames.
+    pub edited_plants: Vec<PlantEdit>,
     /// What is drawn and from where; saved with a project, outside undo.
     pub view: ViewEdits,
 }
@@ -170,6 +172,8 @@ pub struct Show {
     pub new_tracker: bool,
     /// The ground and its grid.
     pub ground: bool,
+    /// Where the feet stand.
+    pub footprints: bool,
     /// Trails of the new actor's end effectors.
     pub traces: bool,
     /// Names in the picture.
@@ -187,6 +191,7 @@ impl Default for Show {
             original_tracker: true,
             new_tracker: true,
             ground: true,
+            footprints: true,
             traces: false,
             labels: true,
         }

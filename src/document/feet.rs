@@ -1,27 +1,32 @@
 //! The feet of a clip: its legs, when they stand, and how well the edited clip keeps them standing.
 
+use std::sync::Arc;
+
+use super::{
+    Edits,
+    footprint::{Footprint, SourcePrint, footprints},
+};
 use crate::{
     constrain::Prepared,
-    contact::{Detection, FootPlants, PlantMode, Thresholds},
-    cycle::Joined,
+    contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
     measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed, Turning},
-    motion::{Clip, ClipOptions, Decided, Leg, PointTracks, legs::find_legs},
+    motion::{Clip, ClipOptions, Decided, Leg, PointTracks, Side, legs::find_legs},
 };
 
-/// The feet of the source clip.
+/// What is found of feet in the source clip, before the user's own plants.
 #[derive(Clone, Debug)]
-pub struct Feet {
+pub struct FoundFeet {
     /// The legs, left ones first, and why these.
     pub legs: Decided<Vec<Leg>>,
     /// When each foot stands, in the order of the legs; clip frames.
     pub plants: Vec<FootPlants>,
     /// What could not be read as asked, one line each.
-    pub warnings: Vec<String>,
+    warnings: Vec<String>,
 }
 
-impl Feet {
+impl FoundFeet {
     /// Finds legs and plants.
-    pub(super) fn of(clip: &Clip, asked: &ClipOptions, body: &Body, thresholds: Thresholds) -> Self {
+    fn of(clip: &Clip, asked: &ClipOptions, body: &Body, thresholds: Thresholds) -> Self {
         let mut warnings = Vec::new();
         let legs = find_legs(clip, &asked.legs, &mut warnings);
         let plants = Detection {
@@ -35,56 +40,111 @@ impl Feet {
         .plants();
         Self { legs, plants, warnings }
     }
+}
 
-    /// Returns the feet of a clip joined to itself.
-    pub(super) fn joined(&self, joined: &Joined) -> Self {
-        Self { legs: self.legs.clone(), plants: joined.plants(&self.plants), warnings: Vec::new() }
-    }
+/// The feet of the source clip.
+#[derive(Clone, Debug)]
+pub struct Feet {
+    /// Legs and plants as found.
+    pub found: Arc<FoundFeet>,
+    /// When each foot stands, the user's plants among the found ones, in the order of the legs; clip frames.
+    pub plants: Vec<FootPlants>,
+    /// Which of `plants` are the user's, foot by foot.
+    edited: Vec<Vec<bool>>,
+    /// Where the feet stand in the source, foot by foot, as many as `plants`.
+    pub prints: Vec<Vec<SourcePrint>>,
+    /// What could not be read as asked, one line each.
+    pub warnings: Vec<String>,
+}
 
-    /// Prepares the legs to be held; `clean` removes the feet's own slide from plants that are only to be held.
-    pub(super) fn prepared(&self, clip: &Clip, clean: bool) -> Prepared {
-        let mut feet = self.plants.clone();
-        for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
-            if clean && plant.mode == PlantMode::Hold {
-                plant.mode = PlantMode::Clean;
-            }
-        }
-        Prepared::new(clip, &feet)
-    }
-
-    /// Prepares the joints that holding turns to be measured.
-    pub(super) fn turning(clip: &Clip, prepared: &Prepared) -> Turning {
-        Turning::of(clip, prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]))
-    }
-
-    /// Returns where an edit puts the points that are measured: ankle and toe of each leg.
-    pub(super) fn moved(&self, body: &Body, placed: &Placed) -> PointTracks {
-        let points: Vec<usize> = self.legs.value.iter().flat_map(|leg| [leg.ankle.idx(), leg.toe]).collect();
-        body.points(&points, placed)
-    }
-
-    /// Measures each foot, source beside edited, in the order of the legs.
-    ///
-    /// `moved` is where the edit has their points; each frame shows the clip's frame of that index in `source_frames`.
-    pub(super) fn numbers(
-        &self,
-        clip: &Clip,
-        body: &Body,
-        moved: &PointTracks,
-        source_frames: &[u32],
-    ) -> Vec<FootNumbers> {
-        let source = body.tracks();
-        let measure = |(idx, foot): (usize, &FootPlants)| {
-            FootMeasure {
-                source: FootTracks { ankle: source.track(foot.leg.ankle.idx()), toe: source.track(foot.leg.toe) },
-                edited: FootTracks { ankle: moved.track(2 * idx), toe: moved.track(2 * idx + 1) },
-                source_frames,
-                plants: &foot.plants,
-                frame_time_secs: clip.frame_time_secs,
-                height: clip.facts.height.value,
-            }
-            .numbers()
+impl Feet {
+    /// Puts the user's plants among the found ones; `found` is what an earlier solve found with the same thresholds.
+    pub(super) fn of(clip: &Clip, edits: &Edits, body: &Body, found: Option<&Arc<FoundFeet>>) -> Self {
+        let found =
+            found.map_or_else(|| Arc::new(FoundFeet::of(clip, &edits.clip, body, edits.plants.detection)), Arc::clone);
+        let mut warnings = found.warnings.clone();
+        let frames = file_frames(clip);
+        let plants = with_edits(found.plants.clone(), &edits.edited_plants, frames, &mut warnings);
+        let by_user = |foot: &FootPlants| {
+            let is_edited = |plant: &Plant| touches(&edits.edited_plants, foot.leg.side, frames.of(plant));
+            foot.plants.iter().map(is_edited).collect()
         };
-        self.plants.iter().enumerate().map(measure).collect()
+        let edited = plants.iter().map(by_user).collect();
+        let prints = footprints(body.tracks(), &plants, clip.facts.floor);
+        Self { found, plants, edited, prints, warnings }
     }
+
+    /// Returns the index of a side's foot, the first of several; none without such a leg.
+    pub fn foot_idx(&self, side: Side) -> Option<usize> {
+        self.plants.iter().position(|foot| foot.leg.side == side)
+    }
+
+    /// Tells whether a plant is the user's.
+    pub fn is_edited(&self, foot_idx: usize, plant_idx: usize) -> bool {
+        self.edited[foot_idx][plant_idx]
+    }
+
+    /// Returns where the feet stand in the source, without intended slides.
+    pub(super) fn standing_prints(&self) -> impl Iterator<Item = Footprint> {
+        let plants = self.plants.iter().flat_map(|foot| &foot.plants);
+        let stands = |(print, plant): (&SourcePrint, &Plant)| (plant.mode != PlantMode::Slide).then_some(print.print);
+        self.prints.iter().flatten().zip(plants).filter_map(stands)
+    }
+}
+
+/// Prepares the legs of a clip to be held; `clean` removes the feet's own slide from plants that are only to be held.
+pub(super) fn prepared(clip: &Clip, plants: &[FootPlants], clean: bool) -> Prepared {
+    let mut feet = plants.to_vec();
+    for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
+        if clean && plant.mode == PlantMode::Hold {
+            plant.mode = PlantMode::Clean;
+        }
+    }
+    Prepared::new(clip, &feet)
+}
+
+/// Prepares the joints that holding turns to be measured.
+pub(super) fn turning(clip: &Clip, prepared: &Prepared) -> Turning {
+    Turning::of(clip, prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]))
+}
+
+/// Returns where an edit puts the points that are measured: ankle and toe of each leg.
+pub(super) fn moved(body: &Body, plants: &[FootPlants], placed: &Placed) -> PointTracks {
+    let points: Vec<usize> = plants.iter().flat_map(|foot| [foot.leg.ankle.idx(), foot.leg.toe]).collect();
+    body.points(&points, placed)
+}
+
+/// Measures each foot, source beside edited, in the order of the plants.
+///
+/// `moved` is where the edit has their points; each frame shows the clip's frame of that index in `source_frames`.
+pub(super) fn numbers(
+    clip: &Clip,
+    body: &Body,
+    plants: &[FootPlants],
+    moved: &PointTracks,
+    source_frames: &[u32],
+) -> Vec<FootNumbers> {
+    let source = body.tracks();
+    let measure = |(idx, foot): (usize, &FootPlants)| {
+        FootMeasure {
+            source: FootTracks { ankle: source.track(foot.leg.ankle.idx()), toe: source.track(foot.leg.toe) },
+            edited: FootTracks { ankle: moved.track(2 * idx), toe: moved.track(2 * idx + 1) },
+            source_frames,
+            plants: &foot.plants,
+            frame_time_secs: clip.frame_time_secs,
+            height: clip.facts.height.value,
+        }
+        .numbers()
+    };
+    plants.iter().enumerate().map(measure).collect()
+}
+
+/// Returns where a clip's frames lie in its file.
+pub(super) fn file_frames(clip: &Clip) -> FileFrames {
+    FileFrames { rest: clip.rest_frames(), n_frames: clip.n_frames() }
+}
+
+/// Tells whether the user made a plant of a foot somewhere in a range of file frames.
+fn touches(edits: &[PlantEdit], foot: Side, [first, last]: [usize; 2]) -> bool {
+    (edits.iter()).any(|e| e.foot == foot && e.mode != PlantEditMode::None && e.first <= last && first <= e.last)
 }

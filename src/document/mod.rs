@@ -5,11 +5,14 @@
 
 mod change;
 mod edits;
+mod entries;
 mod feet;
 mod files;
+mod footprint;
 mod history;
 mod holding;
 mod parameter;
+mod plants;
 mod project;
 mod solve;
 mod solved;
@@ -26,11 +29,13 @@ pub use edits::{
     CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, ProjectionKind,
     ResidualEdits, Show, TimingEdits, ViewEdits,
 };
-pub use feet::Feet;
+pub use feet::{Feet, FoundFeet};
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
+pub use footprint::{Footprint, SourcePrint};
 pub use history::History;
 pub use holding::Holding;
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
+pub use plants::PlantRefusal;
 pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};

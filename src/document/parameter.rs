@@ -5,7 +5,8 @@
 use glam::DVec3;
 use toml::Value;
 
-use super::Edits;
+use super::{Edits, entries};
+use crate::motion::LegNames;
 pub use crate::path::MAX_POINTS;
 
 /// What values a parameter takes.
@@ -41,6 +42,10 @@ pub enum Kind {
     Vector,
     /// A list of points `[[x, y, z], …]`, or `auto`.
     Points,
+    /// A list of legs `[{ side, hip, knee, ankle, toe }, …]`, or `auto`.
+    Legs,
+    /// A list of plants edited by hand `[{ foot, first, last, mode }, …]`, or `auto`.
+    Plants,
 }
 
 /// How one key press changes a real number.
@@ -87,6 +92,16 @@ pub enum SetError {
         /// The value as given.
         found: String,
     },
+    /// An entry of a list is not one of this parameter's.
+    #[error("`{name}` entry {number}: {problem}")]
+    Entry {
+        /// The parameter.
+        name: &'static str,
+        /// Which entry, from 1.
+        number: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// Control points were given, but not enough for the degree.
     #[error("a path of degree {degree} needs at least {} control points, found {found}", degree + 1)]
     TooFewPoints {
@@ -118,13 +133,22 @@ impl Parameter {
     ///
     /// When the value is not of this parameter's kind or outside its range.
     pub fn set(&self, edits: &mut Edits, value: &Value) -> Result<(), SetError> {
-        let value = self.kind.admit(value).ok_or_else(|| SetError::Value {
-            name: self.name,
-            expected: self.kind.in_words(),
-            found: show_value(value),
-        })?;
+        let value = self.kind.admit(value).ok_or_else(|| self.refusal(value))?;
         (self.set)(edits, &value);
         Ok(())
+    }
+
+    /// Says why a value is none of this parameter's.
+    fn refusal(&self, value: &Value) -> SetError {
+        let wrong_entry = value.as_array().and_then(|items| match self.kind {
+            Kind::Legs => entries::read::<LegNames>(items).err(),
+            Kind::Plants => entries::read_plants(items).err(),
+            _ => None,
+        });
+        match wrong_entry {
+            Some((idx, problem)) => SetError::Entry { name: self.name, number: idx + 1, problem },
+            None => SetError::Value { name: self.name, expected: self.kind.in_words(), found: show_value(value) },
+        }
     }
 
     /// Returns the value that `n` key presses make of the present one: switches flip, choices go round, numbers step
@@ -152,7 +176,7 @@ impl Parameter {
                 // Steps print as they are meant: 0.30000000000000004 is 0.3.
                 Some(Value::Float(round_to_digits(next, 9).clamp(min, max)))
             }
-            Kind::Joint | Kind::Vector | Kind::Points => None,
+            Kind::Joint | Kind::Vector | Kind::Points | Kind::Legs | Kind::Plants => None,
         }
     }
 
@@ -160,6 +184,7 @@ impl Parameter {
     pub fn display(&self, edits: &Edits) -> String {
         match self.get(edits) {
             Value::Array(items) if self.kind == Kind::Points => format!("{} points", items.len()),
+            Value::Array(items) if self.kind == Kind::Legs => format!("{} named", items.len()),
             Value::Boolean(on) => (if on { "on" } else { "off" }).to_owned(),
             value => show_value(&value),
         }
@@ -189,13 +214,15 @@ impl Kind {
             }
             Self::Real { min, max, .. } => as_number(value).filter(|n| (min..=max).contains(n)).map(Value::Float),
             Self::Joint => value.as_str().filter(|s| !s.is_empty()).map(word),
-            Self::Vector | Self::Points if auto => Some(word("auto")),
+            Self::Vector | Self::Points | Self::Legs | Self::Plants if auto => Some(word("auto")),
             Self::Vector => as_vector(value).map(vector),
             Self::Points => {
                 let points: Option<Vec<_>> = value.as_array()?.iter().map(as_vector).collect();
                 let points = points.filter(|p| (2..=MAX_POINTS).contains(&p.len()))?;
                 Some(Value::Array(points.into_iter().map(vector).collect()))
             }
+            Self::Legs => entries::read::<LegNames>(value.as_array()?).ok().map(|legs| entries::value(&legs)),
+            Self::Plants => entries::read_plants(value.as_array()?).ok().map(|plants| entries::value(&plants)),
         }
     }
 
@@ -211,6 +238,8 @@ impl Kind {
             Self::Joint => "a joint's name or auto".to_owned(),
             Self::Vector => "[x, y, z] or auto".to_owned(),
             Self::Points => format!("a list of 2 to {MAX_POINTS} points [[x, y, z], …] or auto"),
+            Self::Legs => "a list of legs [{ side, hip, knee, ankle, toe }, …] or auto".to_owned(),
+            Self::Plants => "a list of plants [{ foot, first, last, mode }, …] or auto".to_owned(),
         }
     }
 }
@@ -234,6 +263,7 @@ pub fn show_value(value: &Value) -> String {
     match value {
         Value::String(s) => s.clone(),
         Value::Float(f) => show_number(*f),
+        Value::Table(entry) => entries::inline(entry),
         Value::Array(items) => format!("[{}]", items.iter().map(show_value).collect::<Vec<_>>().join(", ")),
         other => other.to_string(),
     }

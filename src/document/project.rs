@@ -7,13 +7,13 @@
 use std::path::{Path, PathBuf};
 
 use toml::{
-    Value,
+    Spanned, Value,
     de::{DeTable, DeValue},
 };
 
 use super::{
-    Edits,
-    parameter::{SetError, show_value},
+    Edits, entries,
+    parameter::{Kind, SetError, show_value},
     table::{PARAMETERS, parameter},
 };
 
@@ -95,14 +95,15 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
                 ("clip.file", _) => project.clip_file = Some(text_value("clip.file")?),
                 ("clip.blake3", _) => project.blake3 = Some(text_value("clip.blake3")?),
                 (_, DeValue::Table(inner)) => tables.push((format!("{name}."), inner)),
-                _ => assignments.push((at, name, read_value(&text[value.span()]))),
+                _ => assignments.push((at, name, value)),
             }
         }
     }
     // In table order, so that what one parameter does to another does not depend on the order in the file.
     assignments.sort_by_key(|(_, name, _)| PARAMETERS.iter().position(|p| p.name == name));
     for (at, name, value) in &assignments {
-        parameter(name).and_then(|p| p.set(&mut project.edits, value)).map_err(|e| fail(*at, e.into()))?;
+        let set = parameter(name).and_then(|p| p.set(&mut project.edits, &read_value(text, value)));
+        set.map_err(|error| fail(entry_start(value, &error).unwrap_or(*at), error.into()))?;
     }
     let path = &project.edits.path;
     if path.control_points.as_ref().is_some_and(|p| p.len() <= path.degree) {
@@ -135,11 +136,16 @@ pub(super) fn print(project: &Project) -> String {
     for parameter in PARAMETERS.iter() {
         let value = parameter.get(&project.edits);
         let implied = parameter.name == "path.points" && given_points;
-        if value != parameter.get(&defaults) && !implied {
+        let own_tables = parameter.kind == Kind::Plants;
+        if value != parameter.get(&defaults) && !implied && !own_tables {
             begin(&mut out, parameter.section());
             let key = parameter.name.rsplit('.').next().expect("a name has a last part");
             out.push_str(&format!("{key} = {}\n", print_value(&value)));
         }
+    }
+    for plant in entries::tables(&project.edits.edited_plants) {
+        out.push_str("\n[[plant]]\n");
+        entries::lines(&plant).iter().for_each(|(key, value)| out.push_str(&format!("{key} = {value}\n")));
     }
     out
 }
@@ -161,15 +167,30 @@ pub(super) fn clip_reference(project: &Path, clip: &Path) -> String {
     clip.display().to_string()
 }
 
-/// Reads one value out of its own text.
-fn read_value(text: &str) -> Value {
-    let table: toml::Table = format!("value = {text}").parse().expect("a value's own text is a value");
-    table.into_iter().next().expect("one key").1
+/// Reads one value out of the text; lists of tables may be spread over it, so only what is in them has its own text.
+fn read_value(text: &str, value: &Spanned<DeValue<'_>>) -> Value {
+    match value.get_ref() {
+        DeValue::Array(items) => Value::Array(items.iter().map(|item| read_value(text, item)).collect()),
+        DeValue::Table(table) => Value::Table(
+            table.iter().map(|(key, value)| (key.get_ref().to_string(), read_value(text, value))).collect(),
+        ),
+        _ => {
+            let own = format!("value = {}", &text[value.span()]);
+            let table: toml::Table = own.parse().expect("a value's own text is a value");
+            table.into_iter().next().expect("one key").1
+        }
+    }
+}
+
+/// Returns where in the file the entry stands that an error is about.
+fn entry_start(value: &Spanned<DeValue<'_>>, error: &SetError) -> Option<usize> {
+    let SetError::Entry { number, .. } = error else { return None };
+    Some(value.get_ref().as_array()?.get(number - 1)?.span().start)
 }
 
 fn print_value(value: &Value) -> String {
     match value {
-        Value::Array(items) if items.iter().all(Value::is_array) => {
+        Value::Array(items) if items.iter().all(|item| item.is_array() || item.is_table()) => {
             let rows: String = items.iter().map(|item| format!("    {},\n", print_value(item))).collect();
             format!("[\n{rows}]")
         }
@@ -190,7 +211,11 @@ fn place(text: &str, offset: usize) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::Degree;
+    use crate::{
+        contact::{PlantEdit, PlantEditMode},
+        motion::{LegNames, Side},
+        path::Degree,
+    };
     use glam::DVec3;
 
     fn check_error(text: &str, expected: &str) {
@@ -207,7 +232,15 @@ mod tests {
         project.edits.view.show.ground = false;
         project.edits.view.cameras[2].eye = Some(DVec3::new(1.0, 2.0, 3.0));
         project.edits.clip.carrier = Some("Hips".to_owned());
+        let name = |part: &str| format!("left \"{part}\"");
+        project.edits.clip.legs =
+            vec![LegNames { side: Side::Left, hip: name("hip"), knee: name("knee"), ankle: name("ankle"), toe: None }];
+        project.edits.edited_plants = vec![
+            PlantEdit { foot: Side::Left, first: 3, last: 9, mode: PlantEditMode::Clean },
+            PlantEdit { foot: Side::Right, first: 0, last: 0, mode: PlantEditMode::None },
+        ];
         let text = print(&project);
+        assert!(text.contains("\n[[plant]]\nfoot = \"left\"\nfirst = 3\nlast = 9\nmode = \"clean\"\n"), "{text}");
         assert_eq!(parse(&text, "p.toml"), Ok(project.clone()));
         assert_eq!(print(&parse(&text, "p.toml").expect("parses")), text);
     }
@@ -235,6 +268,19 @@ mod tests {
         );
         check_error("format = 1\n[clip]\nfile = 3\n", "p.toml:3:1: `clip.file` is a text");
         assert!(parse("format = 1\n[path\n", "p.toml").is_err());
+        let two = "format = 1\n[[plant]]\nfoot = \"left\"\nfirst = 3\nlast = 9\n[[plant]]\n";
+        check_error(
+            &format!("{two}foot = \"right\"\nfirst = 9\nlast = 3\n"),
+            "p.toml:6:1: `plant` entry 2: it ends at 3 before it begins at 9",
+        );
+        check_error(
+            &format!("{two}foot = \"right\"\nfirst = 9\nlast = 30\nmod = \"hold\"\n"),
+            "p.toml:6:1: `plant` entry 2: unknown field `mod`, expected one of `foot`, `first`, `last`, `mode`",
+        );
+        check_error(
+            "format = 1\n[clip]\nlegs = [\n    { side = \"left\", hip = \"h\", knee = \"k\" },\n]\n",
+            "p.toml:4:5: `clip.legs` entry 1: missing field `ankle`",
+        );
     }
 
     #[test]

@@ -47,8 +47,9 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         None => read(source, edits),
     };
 
-    let same_feet = before.filter(|p| p.edits.plants.detection == edits.plants.detection);
-    let feet = reuse(same_feet, |p| &p.feet, || Feet::of(&clip, &edits.clip, &body, edits.plants.detection));
+    let same_found = before.filter(|p| p.edits.plants.detection == edits.plants.detection);
+    let same_feet = same_found.filter(|p| p.edits.edited_plants == edits.edited_plants);
+    let feet = reuse(same_feet, |p| &p.feet, || Feet::of(&clip, edits, &body, same_found.map(|p| &p.feet.found)));
 
     let before = before.filter(|p| p.edits.original == edits.original && p.edits.heading == edits.heading);
     let height = clip.facts.height.value;

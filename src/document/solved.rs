@@ -4,10 +4,10 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Cause, Edits, Feet, Holding, Loops, Strain, Walked};
+use super::{Cause, Edits, Feet, Footprint, Holding, Loops, Strain, Walked};
 use crate::{
     bvh::Bvh,
-    constrain::Missed,
+    constrain::{self, Missed},
     math::Rigid,
     measure::{Body, FootNumbers, Measures},
     motion::{Clip, EditedClip, to_bvh},
@@ -138,6 +138,40 @@ impl Solved {
     /// Returns the frame of the path walked at an edited frame, as the pose of a block that tracks the path.
     pub fn new_frame(&self, edited_frame: usize) -> Rigid {
         self.timing.frames[edited_frame].rigid(self.residuals.frame)
+    }
+
+    /// Returns where the feet stand: on the new path while they are held there, else in the source. A plant that is an
+    /// intended slide has no print.
+    pub fn footprints(&self) -> Vec<Footprint> {
+        match &self.holding {
+            Some(holding) => holding.footprints.iter().filter_map(|print| self.held_print(holding, print)).collect(),
+            None => self.feet.standing_prints().collect(),
+        }
+    }
+
+    fn held_print(&self, holding: &Holding, print: &constrain::Footprint) -> Option<Footprint> {
+        let (foot_idx, plant_idx) = self.held_plant(print.leg, print.first)?;
+        let missed = holding.missed.iter().find(|missed| (missed.leg, missed.first) == (print.leg, print.first));
+        Some(Footprint {
+            foot_idx,
+            plant_idx,
+            place: print.place - DVec3::Y * self.feet.prints[foot_idx][plant_idx].clearance,
+            heading_rad: print.heading_rad,
+            missed_by: missed.map(|missed| missed.by),
+        })
+    }
+
+    /// Returns which plant of which foot holding means by a leg and an edited frame.
+    fn held_plant(&self, leg: usize, edited_frame: usize) -> Option<(usize, usize)> {
+        let leg = self.walked.prepared.legs().nth(leg)?;
+        let foot_idx = self.feet.plants.iter().position(|foot| foot.leg == leg)?;
+        Some((foot_idx, self.feet.plants[foot_idx].at(self.source_frame(edited_frame))?))
+    }
+
+    /// Returns how a plant was missed, in the first cycle in which it was; none: it was reached, or is not held.
+    pub fn missed(&self, foot_idx: usize, plant_idx: usize) -> Option<&Missed> {
+        let is_it = |missed: &&Missed| self.held_plant(missed.leg, missed.first) == Some((foot_idx, plant_idx));
+        self.holding.as_ref()?.missed.iter().find(is_it)
     }
 
     /// Returns the arc length along the path walked at which the edited clip ends.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{
-    ProjectionKind,
+    ProjectionKind, entries,
     parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, as_vector, vector, word},
 };
 use crate::{
@@ -70,6 +70,11 @@ fn word_of<T: PartialEq>(words: &[(&str, T)], choice: &T) -> Value {
 /// The choice for a word that [`Kind::admit`] let through.
 fn choice_of<T: Copy>(words: &[(&str, T)], value: &Value) -> T {
     words.iter().find(|(w, _)| Some(*w) == value.as_str()).expect("the table's words are the choices").1
+}
+
+/// The entries of a list that [`Kind::admit`] let through.
+fn admitted<T>(entries: Result<Vec<T>, (usize, String)>) -> Vec<T> {
+    entries.expect("admitted as a list of entries")
 }
 
 fn float(value: &Value) -> f64 {
@@ -158,7 +163,7 @@ macro_rules! camera_rows {
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
 
-const EDITS: [Parameter; 27] = [
+const EDITS: [Parameter; 29] = [
     Parameter {
         name: "clip.carrier",
         kind: Kind::Joint,
@@ -198,6 +203,14 @@ const EDITS: [Parameter; 27] = [
         doc: "Leading frames to leave alone (a T-pose before the motion).",
         get: |e| frame(e.clip.rest_frames),
         set: |e, v| e.clip.rest_frames = count(v),
+    },
+    Parameter {
+        name: "clip.legs",
+        kind: Kind::Legs,
+        unit: "",
+        doc: "The legs by the names of their joints, when the guess is wrong.",
+        get: |e| entries::value(&e.clip.legs),
+        set: |e, v| e.clip.legs = v.as_array().map_or_else(Vec::new, |legs| admitted(entries::read(legs))),
     },
     Parameter {
         name: "original.degree",
@@ -386,9 +399,19 @@ const EDITS: [Parameter; 27] = [
         get: |e| Value::Float(e.plants.detection.height),
         set: |e, v| e.plants.detection.height = float(v),
     },
+    Parameter {
+        name: "plant",
+        kind: Kind::Plants,
+        unit: "file frames",
+        doc: "Plants edited by hand; mode is hold, clean, slide, or none where the foot does not stand.",
+        get: |e| entries::value(&e.edited_plants),
+        set: |e, v| {
+            e.edited_plants = v.as_array().map_or_else(Vec::new, |plants| admitted(entries::read_plants(plants)));
+        },
+    },
 ];
 
-const SHOW: [Parameter; 10] = [
+const SHOW: [Parameter; 11] = [
     show_row!(original_skeleton, "Draw the actor as captured."),
     show_row!(new_skeleton, "Draw the actor on the new path."),
     show_row!(original_path, "Draw the path fitted to the clip."),
@@ -397,6 +420,7 @@ const SHOW: [Parameter; 10] = [
     show_row!(original_tracker, "Draw a block that walks the original path."),
     show_row!(new_tracker, "Draw a block that walks the new path."),
     show_row!(ground, "Draw the ground and its grid."),
+    show_row!(footprints, "Draw where the feet stand; crossed out where a plant could not be reached."),
     show_row!(traces, "Draw the trails of hands, feet and head on the new path."),
     show_row!(labels, "Draw names in the picture."),
 ];
@@ -448,6 +472,15 @@ mod tests {
         check("clip.carrier=mixamorig:Hips", Ok("mixamorig:Hips"));
         check("camera.2.eye=[1, 2.5, -3]", Ok("[1, 2.5, -3]"));
         check(
+            "plant=[{first=3, last=9, foot=\"left\"}]",
+            Ok("[{ foot = \"left\", first = 3, last = 9, mode = \"hold\" }]"),
+        );
+        check("plant=[]", Ok("auto"));
+        check(
+            "clip.legs=[{side='left', ankle='a b', knee='k', hip='h'}]",
+            Ok("[{ side = \"left\", hip = \"h\", knee = \"k\", ankle = \"a b\" }]"),
+        );
+        check(
             "path.control_points=[[0,0,0],[1,0,0],[2,0,0],[3,0,1]]",
             Ok("[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 1]]"),
         );
@@ -458,6 +491,14 @@ mod tests {
         check("original.degree=61", Err("`original.degree` takes a whole number from 1 to 60 or auto, found `61`"));
         check("path.degree=2.5", Err("`path.degree` takes a whole number from 1 to 9, found `2.5`"));
         check("timing.step=nan", Err("`timing.step` takes a number from 0.000001 to 0.1, found `NaN`"));
+        check(
+            "plant=[{foot=\"left\", first=-3, last=9}]",
+            Err("`plant` entry 1: invalid value: integer `-3`, expected usize"),
+        );
+        check(
+            "plant=none",
+            Err("`plant` takes a list of plants [{ foot, first, last, mode }, …] or auto, found `none`"),
+        );
         check("path.edited=maybe", Err("`path.edited` takes true or false, found `maybe`"));
         check("path.pionts=3", Err("there is no parameter `path.pionts`; did you mean `path.points`?"));
         check("nonsense=3", Err("there is no parameter `nonsense`"));

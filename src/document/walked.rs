@@ -5,9 +5,10 @@
 
 use std::sync::Arc;
 
-use super::{Feet, LoopEdits, Solved, solve::reuse};
+use super::{Feet, LoopEdits, Solved, feet, solve::reuse};
 use crate::{
     constrain::Prepared,
+    contact::FootPlants,
     cycle::{Join, Joined, Loop, LoopFinder, LoopRange, Mismatch},
     math::Rigid,
     measure::{Body, FootNumbers, Placed, Turning},
@@ -50,8 +51,8 @@ pub struct Walked {
     pub residuals: Arc<Residuals>,
     /// Arc length of each frame on the original path, carried on.
     pub progress: Arc<Vec<f64>>,
-    /// Its legs and foot plants.
-    pub feet: Arc<Feet>,
+    /// When each of its feet stands, in the order of the legs.
+    pub plants: Vec<FootPlants>,
     /// The legs that can be held, ready to be.
     pub prepared: Arc<Prepared>,
     /// The joints that holding turns, ready to be measured.
@@ -80,12 +81,12 @@ impl Walked {
         walk: &EditedClip,
         edited: &EditedClip,
     ) -> Vec<FootNumbers> {
-        let moved = self.feet.moved(&self.body, placed);
-        let numbers = self.feet.numbers(&self.clip, &self.body, &moved, &walk.source_frames);
+        let moved = feet::moved(&self.body, &self.plants, placed);
+        let numbers = feet::numbers(&self.clip, &self.body, &self.plants, &moved, &walk.source_frames);
         if self.joined.is_none() {
             return numbers;
         }
-        let source = loaded.feet.numbers(loaded.clip, loaded.body, &moved, &edited.source_frames);
+        let source = feet::numbers(loaded.clip, loaded.body, &loaded.feet.plants, &moved, &edited.source_frames);
         numbers.into_iter().zip(&source).map(|(numbers, source)| numbers.beside(source)).collect()
     }
 
@@ -121,7 +122,7 @@ pub(super) struct Loaded<'a> {
 impl Loaded<'_> {
     /// Returns what walks the path.
     pub(super) fn walked(&self, repeat: Option<Repeat>, clean: bool, previous: Option<&Solved>) -> Walked {
-        let (joined, clip, body, residuals, progress, feet) = match repeat {
+        let (joined, clip, body, residuals, progress, plants) = match repeat {
             Some(repeat) => {
                 let same = previous.filter(|p| p.walked.repeat == Some(repeat) && self.is_path_of(p));
                 let (joined, body, progress) = match same {
@@ -135,10 +136,8 @@ impl Loaded<'_> {
                     |p| &p.walked.residuals,
                     || Residuals::of(&long.carrier, &long.path, self.residuals.frame),
                 );
-                let same_feet = same.filter(|p| Arc::ptr_eq(&p.feet, self.feet));
-                let feet = reuse(same_feet, |p| &p.walked.feet, || self.feet.joined(long));
-                let clip = Arc::clone(&long.clip);
-                (joined, clip, body, residuals, progress, feet)
+                let (clip, plants) = (Arc::clone(&long.clip), long.plants(&self.feet.plants));
+                (joined, clip, body, residuals, progress, plants)
             }
             None => (
                 None,
@@ -146,15 +145,15 @@ impl Loaded<'_> {
                 Arc::clone(self.body),
                 Arc::clone(self.residuals),
                 Arc::clone(self.progress),
-                Arc::clone(self.feet),
+                self.feet.plants.clone(),
             ),
         };
         let same_legs = previous.filter(|p| {
-            Arc::ptr_eq(&p.walked.clip, &clip) && Arc::ptr_eq(&p.walked.feet, &feet) && p.edits.plants.clean == clean
+            Arc::ptr_eq(&p.walked.clip, &clip) && p.walked.plants == plants && p.edits.plants.clean == clean
         });
-        let prepared = reuse(same_legs, |p| &p.walked.prepared, || feet.prepared(&clip, clean));
-        let turning = reuse(same_legs, |p| &p.walked.turning, || Feet::turning(&clip, &prepared));
-        Walked { repeat, joined, clip, body, residuals, progress, feet, prepared, turning }
+        let prepared = reuse(same_legs, |p| &p.walked.prepared, || feet::prepared(&clip, &plants, clean));
+        let turning = reuse(same_legs, |p| &p.walked.turning, || feet::turning(&clip, &prepared));
+        Walked { repeat, joined, clip, body, residuals, progress, plants, prepared, turning }
     }
 
     /// Tells whether an earlier solve has the same clip on the same path.

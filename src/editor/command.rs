@@ -8,10 +8,12 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
+    feet, loops,
 };
 use crate::{
+    contact::PlantMode,
     document::{CameraEdits, Change, ProjectionKind, parameter},
-    path::{Cycling, Shape, ShapeKind},
+    path::{Shape, ShapeKind},
 };
 
 /// Headings the help puts commands under.
@@ -25,6 +27,8 @@ pub enum Group {
     Points,
     /// Ready shapes.
     Shapes,
+    /// Foot plants.
+    Feet,
     /// Cameras.
     Camera,
     /// What is drawn.
@@ -41,6 +45,7 @@ impl Group {
             Self::Panel => "panel",
             Self::Points => "control points",
             Self::Shapes => "ready shapes",
+            Self::Feet => "feet",
             Self::Camera => "camera",
             Self::Show => "show",
             Self::File => "file, undo, window",
@@ -92,12 +97,16 @@ fn selected_row(editor: &Editor) -> Option<super::Row> {
 }
 
 fn steps(editor: &Editor) -> bool {
-    matches!(selected_row(editor).map(|r| r.kind), Some(RowKind::Parameter(name))
-        if parameter(name).is_ok_and(|p| p.stepped(editor.document.edits(), 1, false).is_some()))
+    match selected_row(editor).map(|r| r.kind) {
+        Some(RowKind::Parameter(name)) => stepped(editor, name, 1, false).is_some(),
+        Some(RowKind::Plant { .. }) => true,
+        Some(RowKind::Point { .. } | RowKind::Loop { .. } | RowKind::Fact) | None => false,
+    }
 }
 
 fn types(editor: &Editor) -> bool {
-    selected_row(editor).is_some_and(|r| r.kind != RowKind::Fact)
+    selected_row(editor)
+        .is_some_and(|r| matches!(r.kind, RowKind::Parameter(_) | RowKind::Point { .. } | RowKind::Loop { .. }))
 }
 
 /// All commands, by group.
@@ -110,14 +119,7 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Play, "frame.previous", &[","], "One frame back.", has_motion, |e, _| step_frame(e, -1)),
     row(Group::Play, "frame.start", &["<home>", "0"], "Jump to the start.", has_motion, |e, _| jump(e, 0)),
     row(Group::Play, "frame.end", &["<end>", "$"], "Jump to the end.", has_motion, |e, _| jump(e, usize::MAX)),
-    row(
-        Group::Play,
-        "why",
-        &["W"],
-        "What is too much to ask of the body at this frame, or the next one.",
-        path_editable,
-        |e, _| why(e),
-    ),
+    row(Group::Play, "why", &["W"], "What is too much here, or at the next such frame.", path_editable, |e, _| why(e)),
     row(Group::Play, "speed.down", &["<lt>"], "Play slower.", always, |e, c| {
         step_value(e, c, "timing.speed", -1, false)
     }),
@@ -184,7 +186,7 @@ pub const COMMANDS: &[Command] = &[
         &["R"],
         "Cycle without a seam: repeat the best loop, then the next best.",
         path_editable,
-        next_loop,
+        loops::next,
     ),
     row(Group::Shapes, "shape.line", &["sl"], "A straight line.", path_editable, |e, c| shape(e, c, ShapeKind::Line)),
     row(Group::Shapes, "shape.chord", &["sh"], "From the first point to the last.", path_editable, |e, c| {
@@ -200,6 +202,35 @@ pub const COMMANDS: &[Command] = &[
     }),
     row(Group::Shapes, "shape.u", &["su"], "A U.", path_editable, |e, c| shape(e, c, ShapeKind::U)),
     row(Group::Shapes, "shape.s", &["ss"], "An S.", path_editable, |e, c| shape(e, c, ShapeKind::S)),
+    row(Group::Feet, "plant.next", &["l"], "To the next plant of the foot.", feet::has_plant, |e, _| feet::next(e)),
+    row(Group::Feet, "plant.previous", &["h"], "To the plant before.", feet::has_plant, |e, _| feet::previous(e)),
+    row(Group::Feet, "plant.foot", &["F"], "Choose the other foot.", feet::has_feet, |e, _| feet::choose_other(e)),
+    row(Group::Feet, "plant.first_earlier", &["5"], "The plant begins a frame earlier.", feet::has_plant, |e, c| {
+        feet::move_first(e, c, -1)
+    }),
+    row(Group::Feet, "plant.first_later", &["6"], "It begins a frame later.", feet::has_plant, |e, c| {
+        feet::move_first(e, c, 1)
+    }),
+    row(Group::Feet, "plant.last_earlier", &["7"], "It ends a frame earlier.", feet::has_plant, |e, c| {
+        feet::move_last(e, c, -1)
+    }),
+    row(Group::Feet, "plant.last_later", &["8"], "It ends a frame later.", feet::has_plant, |e, c| {
+        feet::move_last(e, c, 1)
+    }),
+    row(Group::Feet, "plant.hold", &["mh"], "Hold it: the foot's own slide stays.", feet::has_plant, |e, c| {
+        feet::set_mode(e, c, PlantMode::Hold)
+    }),
+    row(Group::Feet, "plant.clean", &["mc"], "Pin it: its own slide goes too.", feet::has_plant, |e, c| {
+        feet::set_mode(e, c, PlantMode::Clean)
+    }),
+    row(Group::Feet, "plant.slide", &["ms"], "An intended slide: leave it alone.", feet::has_plant, |e, c| {
+        feet::set_mode(e, c, PlantMode::Slide)
+    }),
+    row(Group::Feet, "plant.split", &["mx"], "Split it at the playhead.", feet::has_plant, feet::split),
+    row(Group::Feet, "plant.join", &["mj"], "Join it with the next.", feet::has_plant, feet::join),
+    row(Group::Feet, "plant.add", &["ma"], "Add a plant at the playhead.", feet::has_foot, feet::add),
+    row(Group::Feet, "plant.delete", &["md"], "Delete it.", feet::has_plant, feet::delete),
+    row(Group::Feet, "plant.found", &["mr"], "All plants of the foot as found.", feet::has_foot, feet::foot_as_found),
     row(Group::Camera, "camera.1", &["1"], "Camera 1, three-quarter.", always, |e, _| use_camera(e, 0)),
     row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, _| use_camera(e, 1)),
     row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, _| use_camera(e, 2)),
@@ -274,6 +305,9 @@ pub const COMMANDS: &[Command] = &[
         step_value(e, c, "show.new_tracker", 1, false)
     }),
     row(Group::Show, "show.ground", &["vg"], "The ground.", always, |e, c| step_value(e, c, "show.ground", 1, false)),
+    row(Group::Show, "show.footprints", &["vf"], "The footprints.", always, |e, c| {
+        step_value(e, c, "show.footprints", 1, false)
+    }),
     row(Group::Show, "show.traces", &["vr"], "The trails of hands, feet and head.", always, |e, c| {
         step_value(e, c, "show.traces", 1, false)
     }),
@@ -351,8 +385,12 @@ fn turn_tab(editor: &mut Editor, by: usize) -> Effect {
 
 fn move_row(editor: &mut Editor, by: i64) -> Effect {
     let rows = editor.rows();
-    let row = (editor.view.rows[editor.view.tab_idx] as i64 + by).max(0) as usize;
+    let now = rows.iter().position(|row| row.selected).unwrap_or(0);
+    let row = (now as i64 + by).max(0) as usize;
     editor.view.select_row(&rows, row);
+    if let Some(&super::Row { kind: RowKind::Plant { plant_idx }, .. }) = rows.get(row) {
+        feet::go_to(editor, plant_idx);
+    }
     editor.follow_document();
     Effect::None
 }
@@ -377,6 +415,7 @@ fn step_row(editor: &mut Editor, command: &'static str, n: i64, big: bool) -> Ef
             }
             Effect::None
         }
+        Some(RowKind::Plant { .. }) => feet::step_mode(editor, command, n),
         _ => Effect::None,
     }
 }
@@ -386,12 +425,16 @@ fn stepped(editor: &Editor, name: &str, n: i64, big: bool) -> Option<Value> {
 }
 
 fn default_row(editor: &mut Editor, command: &'static str) -> Effect {
-    if let Some(RowKind::Parameter(name)) = selected_row(editor).map(|r| r.kind) {
-        let default = parameter(name).expect("rows name parameters of the table").default_value();
-        editor.set(command, name, default);
-        editor.end_step();
+    match selected_row(editor).map(|r| r.kind) {
+        Some(RowKind::Parameter(name)) => {
+            let default = parameter(name).expect("rows name parameters of the table").default_value();
+            editor.set(command, name, default);
+            editor.end_step();
+            Effect::None
+        }
+        Some(RowKind::Plant { .. }) => feet::plant_as_found(editor, command),
+        _ => Effect::None,
     }
-    Effect::None
 }
 
 fn ask(editor: &mut Editor, asking: Asking, offered: &str) -> Effect {
@@ -401,9 +444,14 @@ fn ask(editor: &mut Editor, asking: Asking, offered: &str) -> Effect {
 
 fn type_row(editor: &mut Editor) -> Effect {
     match selected_row(editor).map(|r| (r.kind, r.value)) {
-        Some((RowKind::Parameter(name), value)) => ask(editor, Asking::Value { name }, &value),
+        Some((RowKind::Parameter(name), value)) => {
+            // A list is offered whole, not as the count that the panel shows.
+            let whole = parameter(name).expect("rows name parameters of the table").get(editor.document.edits());
+            let offered = if whole.is_array() { crate::document::show_value(&whole) } else { value };
+            ask(editor, Asking::Value { name }, &offered)
+        }
         Some((RowKind::Point { .. }, _)) => type_point(editor),
-        Some((RowKind::Loop { loop_idx }, _)) => take_loop(editor, "loop.take", loop_idx),
+        Some((RowKind::Loop { loop_idx }, _)) => loops::take(editor, "loop.take", loop_idx),
         _ => Effect::None,
     }
 }
@@ -412,59 +460,6 @@ fn type_point(editor: &mut Editor) -> Effect {
     let point_idx = editor.view.point_idx;
     let p = editor.document.solved().control_points()[point_idx];
     ask(editor, Asking::Coordinates { point_idx }, &format!("{} {} {}", p.x, p.y, p.z))
-}
-
-/// Turns blended cycling on; once it is, takes the loop after the one in use.
-fn next_loop(editor: &mut Editor, command: &'static str) -> Effect {
-    if editor.document.edits().timing.cycling != Cycling::Blended {
-        editor.set(command, "timing.cycling", Value::String("blended".to_owned()));
-        editor.end_step();
-        if editor.view.message.is_none() {
-            say_loop(editor);
-        }
-        return Effect::None;
-    }
-    let Some(loops) = editor.document.solved().loops.clone() else {
-        editor.say(Message::note("loops are for the new path walked by arc length".to_owned()));
-        return Effect::None;
-    };
-    let used = loops.best.iter().position(|found| loops.used.is_some_and(|used| used.range == found.range));
-    match loops.best.len() {
-        0 => editor.say(Message::note("no loop was found; the whole clip is repeated".to_owned())),
-        n => return take_loop(editor, command, used.map_or(0, |idx| (idx + 1) % n)),
-    }
-    Effect::None
-}
-
-/// Repeats one of the loops that were found.
-fn take_loop(editor: &mut Editor, command: &'static str, loop_idx: usize) -> Effect {
-    let solved = editor.document.solved();
-    let rest = solved.clip.rest_frames();
-    let Some(range) = solved.loops.as_ref().and_then(|loops| loops.best.get(loop_idx)).map(|found| found.range) else {
-        return Effect::None;
-    };
-    let frame = |frame: usize| Value::Integer((frame + rest) as i64);
-    let values = vec![("loop.start".to_owned(), frame(range.first)), ("loop.end".to_owned(), frame(range.end))];
-    editor.change(command, &Change::Set { values, shape: None });
-    editor.end_step();
-    if editor.view.message.is_none() {
-        say_loop(editor);
-    }
-    Effect::None
-}
-
-/// Says which loop is in use and how its ends meet.
-fn say_loop(editor: &mut Editor) {
-    let solved = editor.document.solved();
-    let rest = solved.clip.rest_frames();
-    let Some(used) = solved.loops.as_ref().and_then(|loops| loops.used) else { return };
-    let (first, end) = (used.range.first + rest, used.range.end + rest);
-    let secs = used.range.n_frames() as f64 * solved.clip.frame_time_secs;
-    let idle = if solved.walked.repeat.is_none() { "; the path is no longer than the clip" } else { "" };
-    editor.say(Message::note(format!(
-        "loop: file frames {first} to {end}, {secs:.2} s, ends differ by {}{idle}",
-        used.mismatch
-    )));
 }
 
 fn choose_point(editor: &mut Editor, by: i64) -> Effect {

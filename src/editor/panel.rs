@@ -1,6 +1,6 @@
 //! The panel: tabs of rows, read from the parameter table.
 
-use super::Editor;
+use super::{Editor, feet, loops};
 use crate::{
     document::{PARAMETERS, Parameter},
     measure::Pair,
@@ -15,6 +15,8 @@ pub enum Tab {
     Original,
     /// Speed along the path.
     Timing,
+    /// How plants are found and held, and the chosen foot's plants.
+    Feet,
     /// What the file holds.
     Clip,
     /// What is drawn.
@@ -28,8 +30,8 @@ pub enum Tab {
 }
 
 /// The tabs in order.
-pub const TABS: [Tab; 8] =
-    [Tab::Path, Tab::Original, Tab::Timing, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
+pub const TABS: [Tab; 9] =
+    [Tab::Path, Tab::Original, Tab::Timing, Tab::Feet, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
 
 impl Tab {
     /// Returns the tab's title.
@@ -38,6 +40,7 @@ impl Tab {
             Self::Path => "path",
             Self::Original => "original",
             Self::Timing => "timing",
+            Self::Feet => "feet",
             Self::Clip => "clip",
             Self::Show => "show",
             Self::Camera => "camera",
@@ -56,8 +59,8 @@ impl Tab {
             Self::Clip => section == "clip",
             Self::Show => section == "show",
             Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
-            Self::Quality => section == "plants",
-            Self::Residuals => false,
+            Self::Feet => section == "plants",
+            Self::Residuals | Self::Quality => false,
         }
     }
 }
@@ -96,6 +99,11 @@ pub enum RowKind {
         /// Its place in the list, the best first.
         loop_idx: usize,
     },
+    /// A plant of the chosen foot.
+    Plant {
+        /// Index of the plant.
+        plant_idx: usize,
+    },
     /// Something to read.
     Fact,
 }
@@ -124,18 +132,29 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
         Tab::Original => rows.extend(original_rows(editor)),
         Tab::Timing => {
             rows.extend(timing_rows(editor));
-            rows.extend(loop_rows(editor));
+            rows.extend(loops::rows(editor));
         }
+        Tab::Feet => rows.extend(feet_rows(editor)),
         Tab::Quality => rows.extend(quality_rows(editor)),
         Tab::Show | Tab::Camera | Tab::Residuals => {}
     }
-    if let Some(row) = rows.get_mut(view.rows[view.tab_idx]) {
-        row.selected = true;
+    if let Some(row) = selected_idx(editor, &rows) {
+        rows[row].selected = true;
     }
     rows
 }
 
-fn fact(label: &str, value: String, help: String) -> Row {
+/// Returns the index of the selected row; among plants it is the one that keys act on, wherever the playhead went.
+fn selected_idx(editor: &Editor, rows: &[Row]) -> Option<usize> {
+    let kept = editor.view.rows[editor.view.tab_idx].min(rows.len().checked_sub(1)?);
+    if !matches!(rows[kept].kind, RowKind::Plant { .. }) {
+        return Some(kept);
+    }
+    let (_, plant_idx) = editor.chosen_plant()?;
+    rows.iter().position(|row| row.kind == RowKind::Plant { plant_idx })
+}
+
+pub(super) fn fact(label: &str, value: String, help: String) -> Row {
     Row { kind: RowKind::Fact, label: label.to_owned(), value, unit: "", changed: false, selected: false, help }
 }
 
@@ -226,35 +245,36 @@ fn timing_rows(editor: &Editor) -> Vec<Row> {
     ]
 }
 
-/// Returns the loops that were found, the best first, once there is something to repeat.
-fn loop_rows(editor: &Editor) -> Vec<Row> {
+fn feet_rows(editor: &Editor) -> Vec<Row> {
     let solved = editor.document.solved();
-    let Some(loops) = &solved.loops else { return Vec::new() };
-    let rest = solved.clip.rest_frames();
-    let in_use = solved.walked.repeat.map_or_else(
-        || "the path is no longer than the clip".to_owned(),
-        |_| format!("{} seams", solved.measures.seam.len()),
-    );
-    let in_use = fact("repeated", in_use, "How often the loop begins again before the path ends.".to_owned());
-    let found = loops.best.iter().enumerate().map(|(loop_idx, found)| {
-        let (range, mismatch) = (found.range, found.mismatch);
-        let used = loops.used.is_some_and(|used| used.range == range);
-        let secs = range.n_frames() as f64 * solved.clip.frame_time_secs;
-        let phase = mismatch.phase.map_or_else(|| "–".to_owned(), |phase| format!("{phase:.2}"));
-        let (first, end) = (range.first + rest, range.end + rest);
-        Row {
-            kind: RowKind::Loop { loop_idx },
-            label: format!("{} loop {first}–{end}", if used { '◆' } else { '○' }),
-            value: format!("{secs:.2} s  {:.3} {:.2} {phase}", mismatch.pose, mismatch.velocity),
-            unit: "",
-            changed: false,
-            selected: false,
-            help: format!(
-                "enter repeats file frames {first} to {end}. Its ends differ by {mismatch} (0 the same, 1 opposite steps)."
-            ),
-        }
-    });
-    std::iter::once(in_use).chain(found).collect()
+    let legs = &solved.feet.found.legs;
+    let named = legs.value.iter().map(|leg| solved.clip.skeleton.joint(leg.ankle).name.as_str());
+    let named = named.collect::<Vec<_>>().join(", ");
+    let why = format!("{} clip.legs names the legs when the guess is wrong.", sentence(&legs.why));
+    let mut rows = vec![fact("legs", if named.is_empty() { "none".to_owned() } else { format!("to {named}") }, why)];
+    let Some(foot_idx) = editor.chosen_foot() else { return rows };
+    let foot = &solved.feet.plants[foot_idx];
+    let chosen = editor.chosen_plant();
+    let keys = "Frames of the file. 5 6 move its first, 7 8 its last; + - choose the mode, backspace is as found.";
+    let help = |plant_idx| match solved.missed(foot_idx, plant_idx) {
+        Some(missed) => sentence(&solved.missed_plant(missed)),
+        None => keys.to_owned(),
+    };
+    rows.push(fact(
+        "foot",
+        format!("{}, {} plants", foot.leg.side.name(), foot.plants.len()),
+        "F chooses the other foot, h and l walk from plant to plant, m begins what is done with one.".to_owned(),
+    ));
+    rows.extend((0..foot.plants.len()).map(|plant_idx| Row {
+        kind: RowKind::Plant { plant_idx },
+        label: format!("{} plant {}", if chosen == Some((foot_idx, plant_idx)) { '◆' } else { '●' }, plant_idx + 1),
+        value: feet::text(solved, foot_idx, plant_idx),
+        unit: "",
+        changed: solved.feet.is_edited(foot_idx, plant_idx),
+        selected: false,
+        help: help(plant_idx),
+    }));
+    rows
 }
 
 fn quality_rows(editor: &Editor) -> Vec<Row> {

@@ -14,8 +14,8 @@ use super::{
     view::ViewState,
 };
 use crate::{
-    document::{Document, Edits, ProjectionKind, Show, Solved},
-    scene::{Curve, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
+    document::{self, Document, Edits, ProjectionKind, Show, Solved},
+    scene::{Curve, Footprint, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
 };
 
 /// Points a drawn curve is sampled at.
@@ -23,6 +23,8 @@ const CURVE_POINTS: usize = 400;
 /// Marks and trackers, body heights.
 const POINT_RADIUS: f64 = 0.035;
 const TRACKER_RADIUS: f64 = 0.06;
+/// Length of a footprint, body heights: about a person's.
+const FOOT_LENGTH: f64 = 0.15;
 
 /// The still part in use and what it was made from.
 #[derive(Clone, Debug)]
@@ -38,6 +40,7 @@ impl Default for Stills {
             body_height: 1.0,
             bodies: Vec::new(),
             curves: Vec::new(),
+            footprints: Vec::new(),
             marks: Vec::new(),
             labels: Vec::new(),
             ground: None,
@@ -119,6 +122,7 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
         body_height: height,
         bodies: vec![body(&solved.clip, Role::OriginalSkeleton), body(&solved.clip, Role::NewSkeleton)],
         curves,
+        footprints: if show.footprints { footprints(solved) } else { Vec::new() },
         marks,
         labels,
         ground: show.ground.then(|| Ground {
@@ -128,6 +132,19 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
             cell: cell(height),
         }),
     }
+}
+
+/// Where the feet stand.
+fn footprints(solved: &Solved) -> Vec<Footprint> {
+    let length = FOOT_LENGTH * solved.clip.facts.height.value;
+    let print = |print: document::Footprint| Footprint {
+        role: if print.missed_by.is_some() { Role::MissedFootprint } else { Role::Footprint },
+        foot: solved.feet.plants[print.foot_idx].leg.side,
+        at: print.place,
+        heading_rad: print.heading_rad,
+        length,
+    };
+    solved.footprints().into_iter().map(print).collect()
 }
 
 /// Grid cell: the power of ten, or twice or five times it, nearest below half a body height.

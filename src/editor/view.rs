@@ -4,7 +4,10 @@ use super::{
     area::{self, PlanArea},
     panel::{Row, RowKind, TABS},
 };
-use crate::document::{Document, Solved};
+use crate::{
+    document::{Document, Solved},
+    motion::Side,
+};
 
 /// How much a message matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +63,8 @@ pub struct ViewState {
     pub rows: [usize; TABS.len()],
     /// Selected control point.
     pub point_idx: usize,
+    /// Side of the foot whose plants keys act on.
+    pub foot: Side,
     /// Camera preset in use, 0 to 3.
     pub camera_idx: usize,
     /// The area the plan and the presets frame.
@@ -80,6 +85,7 @@ impl ViewState {
             tab_idx: 0,
             rows: [0; TABS.len()],
             point_idx: 0,
+            foot: Side::Left,
             camera_idx: 0,
             area: area::area(solved),
             help: None,

@@ -101,6 +101,10 @@ pub(super) fn check_still(still: &Still) -> Result<(), Fault> {
     for (index, curve) in still.curves.iter().enumerate() {
         number("curve", index, curve.points.iter().all(|&p| is_point(p)))?;
     }
+    for (index, print) in still.footprints.iter().enumerate() {
+        let good = is_point(print.at) && print.heading_rad.is_finite() && is_length(print.length);
+        number("footprint", index, good)?;
+    }
     check_marks("still mark", &still.marks)?;
     check_labels("still label", &still.labels)?;
     still.ground.as_ref().map_or(Ok(()), check_ground)
@@ -223,7 +227,10 @@ fn is_ray(ray: &Ray) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Body, Curve, Limb, Role, Stroke};
+    use crate::{
+        motion::Side,
+        scene::{Body, Curve, Footprint, Limb, Role, Stroke},
+    };
 
     const UP: DVec3 = DVec3::Y;
 
@@ -236,6 +243,13 @@ mod tests {
                 limbs: vec![Limb { from: 0, to: 1, radius: 0.1 }, Limb { from: 1, to: 2, radius: 0.0 }],
             }],
             curves: vec![Curve { role: Role::NewPath, stroke: Stroke::Solid, points: vec![DVec3::ZERO, DVec3::ONE] }],
+            footprints: vec![Footprint {
+                role: Role::Footprint,
+                foot: Side::Left,
+                at: DVec3::ONE,
+                heading_rad: 1.0,
+                length: 0.2,
+            }],
             marks: vec![Mark { role: Role::ControlPoint, at: DVec3::ONE, radius: 0.1 }],
             labels: vec![Label { role: Role::ControlPoint, at: DVec3::ONE, text: "1".to_owned() }],
             ground: Some(Ground { height: 0.0, centre: DVec3::ZERO, half_extent: 10.0, cell: 1.0 }),
@@ -278,6 +292,9 @@ mod tests {
         assert_eq!(fault(|s, _| s.body_height = f64::NAN), found("the body height", 0));
         assert_eq!(fault(|s, _| s.bodies[0].limbs[1].radius = -1.0), found("the limbs of body", 0));
         assert_eq!(fault(|s, _| s.curves[0].points[1].z = f64::NAN), found("curve", 0));
+        assert_eq!(fault(|s, _| s.footprints[0].heading_rad = f64::NAN), found("footprint", 0));
+        assert_eq!(fault(|s, _| s.footprints[0].length = 0.0), found("footprint", 0));
+        assert_eq!(fault(|s, _| s.footprints[0].at.y = 1e300), found("footprint", 0));
         assert_eq!(fault(|s, _| s.marks[0].at.x = f64::INFINITY), found("still mark", 0));
         assert_eq!(fault(|s, _| s.labels[0].at.y = 1e300), found("still label", 0));
         assert_eq!(fault(|s, _| s.ground.as_mut().unwrap().cell = 0.0), found("the ground", 0));

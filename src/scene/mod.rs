@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::key::Key;
+use crate::{key::Key, motion::Side};
 
 /// What a drawn thing is; front ends choose its look by this, and [`Role::rgb`] gives the colour they share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -38,6 +38,8 @@ pub enum Role {
     Trace,
     /// A footprint.
     Footprint,
+    /// The footprint of a plant that could not be reached.
+    MissedFootprint,
     /// The ground and its grid.
     Ground,
 }
@@ -49,7 +51,7 @@ impl Role {
             Self::OriginalSkeleton => [214, 69, 65],
             Self::NewSkeleton => [72, 187, 98],
             Self::OriginalPath | Self::NewPath => [240, 240, 240],
-            Self::Strain => [240, 150, 50],
+            Self::Strain | Self::MissedFootprint => [240, 150, 50],
             Self::ControlPoint => [155, 89, 214],
             Self::SelectedControlPoint => [255, 120, 200],
             Self::OriginalTracker => [236, 145, 120],
@@ -90,6 +92,21 @@ pub struct Mark {
     pub at: DVec3,
     /// Radius (half the edge of a cube), in the clip's length unit.
     pub radius: f64,
+}
+
+/// A footprint on the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Footprint {
+    /// What it is: reached or missed.
+    pub role: Role,
+    /// Left or right foot.
+    pub foot: Side,
+    /// Middle of the sole, world.
+    pub at: DVec3,
+    /// Where the toes point, about up, radians; 0 is +z.
+    pub heading_rad: f64,
+    /// From heel to toes, clip's length unit; positive.
+    pub length: f64,
 }
 
 /// A line of text with a place in the world.
@@ -147,6 +164,8 @@ pub struct Still {
     pub bodies: Vec<Body>,
     /// Paths, polygons, traces.
     pub curves: Vec<Curve>,
+    /// Where feet stand.
+    pub footprints: Vec<Footprint>,
     /// Control points and other marks that do not move in time.
     pub marks: Vec<Mark>,
     /// Texts that do not move in time.

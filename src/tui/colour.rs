@@ -71,7 +71,7 @@ impl Palette {
         let colour = if self.depth == Depth::Sixteen { role_of_16(role) } else { self.rgb(role.rgb()) };
         let style = Style::new().fg(colour);
         match role {
-            Role::SelectedControlPoint => style.add_modifier(Modifier::BOLD),
+            Role::SelectedControlPoint | Role::MissedFootprint => style.add_modifier(Modifier::BOLD),
             Role::Ground => style.add_modifier(Modifier::DIM),
             _ => style,
         }
@@ -137,7 +137,7 @@ fn role_of_16(role: Role) -> Color {
         Role::SelectedControlPoint => Color::LightMagenta,
         Role::OriginalTracker => Color::LightRed,
         Role::NewTracker => Color::LightGreen,
-        Role::Strain => Color::LightYellow,
+        Role::Strain | Role::MissedFootprint => Color::LightYellow,
         Role::Trace => Color::Yellow,
         Role::Footprint => Color::LightBlue,
         Role::Ground => Color::DarkGray,
@@ -196,7 +196,7 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 mod tests {
     use super::*;
 
-    const ROLES: [Role; 12] = [
+    const ROLES: [Role; 13] = [
         Role::OriginalSkeleton,
         Role::NewSkeleton,
         Role::OriginalPath,
@@ -208,6 +208,7 @@ mod tests {
         Role::NewTracker,
         Role::Trace,
         Role::Footprint,
+        Role::MissedFootprint,
         Role::Ground,
     ];
 
@@ -266,7 +267,7 @@ mod tests {
             let mut seen: Vec<Color> = Vec::new();
             for role in ROLES {
                 let colour = Palette::new(depth).role(role).fg.expect("roles have a colour");
-                if role != Role::NewPath {
+                if !matches!(role, Role::NewPath | Role::MissedFootprint) {
                     assert!(!seen.contains(&colour), "{role:?} at {depth:?}");
                 }
                 seen.push(colour);

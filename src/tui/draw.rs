@@ -20,13 +20,13 @@ use ratatui::{
 };
 
 use super::{
-    Chart, Direction, Extent, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView, Series,
-    StatusLine, Tabs, Timeline, TimelineMark, TimelineRow,
+    Chart, Direction, Extent, Interval, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView,
+    Series, StatusLine, Tabs, Timeline, TimelineMark, TimelineRow,
     score::{self, side},
     text,
 };
 use crate::{
-    contact::Plant,
+    contact::{FootPlants, Plant},
     document::Solved,
     editor::{Editor, Hint, Severity, TABS, Tab},
     scene::{Picture, Scene},
@@ -37,7 +37,7 @@ const PANEL_MAX: u16 = 52;
 /// Narrowest panel, cells.
 const PANEL_MIN: u16 = 36;
 /// The keys the foot line shows, in this order, as far as there is room.
-const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  x y z X Y Z move  s shape  1-4 camera  u undo  q quit";
+const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  xyz XYZ move  s shape  h l plant  1-4 view  u undo  q quit";
 
 /// What the screen shows beside the editor.
 #[derive(Clone, Copy, Debug)]
@@ -203,11 +203,23 @@ fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette
     let rest = solved.clip.rest_frames();
     // A plant stands where the edited clip first shows it; those of a joined clip go on with its cycles.
     let last_shown = solved.edited.n_frames().min(solved.walked.clip.n_frames()) - 1;
-    let shown =
-        |plant: &Plant| (plant.first <= last_shown).then(|| plant.first + rest..=plant.last.min(last_shown) + rest);
-    let intervals: Vec<Vec<_>> =
-        solved.walked.feet.plants.iter().map(|foot| foot.plants.iter().filter_map(shown).collect()).collect();
-    let feet = solved.walked.feet.plants.iter().zip(&intervals);
+    let chosen = editor.chosen_plant();
+    let interval = |foot_idx: usize, shown: &Plant| {
+        let plant_idx = solved.feet.plants[foot_idx].at(solved.source_frame(shown.first))?;
+        Some(Interval {
+            frames: shown.first + rest..=shown.last.min(last_shown) + rest,
+            mode: solved.feet.plants[foot_idx].plants[plant_idx].mode,
+            edited: solved.feet.is_edited(foot_idx, plant_idx),
+            missed: solved.missed(foot_idx, plant_idx).is_some(),
+            chosen: chosen == Some((foot_idx, plant_idx)),
+        })
+    };
+    let of_foot = |(foot_idx, foot): (usize, &FootPlants)| {
+        let shown = foot.plants.iter().take_while(|plant| plant.first <= last_shown);
+        shown.filter_map(|plant| interval(foot_idx, plant)).collect()
+    };
+    let intervals: Vec<Vec<Interval>> = solved.walked.plants.iter().enumerate().map(of_foot).collect();
+    let feet = solved.walked.plants.iter().zip(&intervals);
     let rows: Vec<_> = feet.map(|(foot, intervals)| TimelineRow { label: side(foot), intervals }).collect();
     let timeline = Timeline {
         n_frames: solved.edited.n_frames() + rest,

@@ -36,4 +36,4 @@ pub use plan::{Direction, Extent, PlanView};
 pub use screen::{Screen, ScreenError, leave_on_panic};
 pub use status::{StatusLine, Tabs};
 pub use terminal::Terminal;
-pub use timeline::{Timeline, TimelineMark, TimelineRow};
+pub use timeline::{Interval, Timeline, TimelineMark, TimelineRow};

@@ -3,7 +3,10 @@
 //! Curves and limbs are braille lines, things with a place are single characters on top of them, texts go where they
 //! cover neither. What a thing is shows without colour too: the original path is dashed, the original actor's hips
 //! are `o` and its tracker `□`, the new one's `O` and `■`; control points are `●`, the selected one `◆` with its
-//! number.
+//! number. A footprint is an arrow the way the toes point, `↓` for a left foot and `⇓` for a right one, `!` where the
+//! plant was missed; from the side all are `▁`.
+
+use std::collections::HashSet;
 
 use glam::DVec3;
 use ratatui::{
@@ -18,8 +21,9 @@ use super::{
     text,
 };
 use crate::{
-    motion::UpAxis,
-    scene::{Body, Label, Mark, Role, Scene, Stroke},
+    math::heading_rotation,
+    motion::{Side, UpAxis},
+    scene::{Body, Footprint, Label, Mark, Role, Scene, Stroke},
 };
 
 /// Room left around what [`Extent::of`] frames, as a share of its size.
@@ -129,6 +133,7 @@ impl Widget for &PlanView<'_> {
         self.draw_curves(&map, &mut ink);
         self.draw_limbs(&map, &mut ink);
         ink.paint(area, buf);
+        self.put_footprints(&map, buf);
         let mut cover = Cover { area, ink, taken: Vec::new() };
         self.put_symbols(&map, &mut cover, buf);
         self.put_labels(&map, &mut cover, buf);
@@ -183,6 +188,20 @@ impl PlanView<'_> {
                 let ends = [limb.from, limb.to].map(|i| points.get(i as usize).map(|&p| map.dots(p)));
                 canvas.polyline(ends.into_iter().flatten(), Line::Solid, style);
             }
+        }
+    }
+
+    /// Puts footprints over lines; symbols and labels go over them. One that would be under a mark that stays, or over
+    /// another print, is put a cell farther out on the foot's own side.
+    fn put_footprints(&self, map: &Map, buf: &mut Buffer) {
+        let mut taken: HashSet<Position> = self.scene.still.marks.iter().filter_map(|m| map.cell(m.at)).collect();
+        for print in &self.scene.still.footprints {
+            let Some(own) = map.cell(print.at) else { continue };
+            let beside = map.cell_beside(own, outwards(print));
+            let cell = if taken.contains(&own) { beside.filter(|c| !taken.contains(c)).unwrap_or(own) } else { own };
+            let symbol = footprint_symbol(print, self.direction);
+            buf[cell].set_char(symbol).set_style(self.palette.role(print.role));
+            taken.insert(cell);
         }
     }
 
@@ -295,6 +314,14 @@ impl Map {
         inside.then(|| Position::new(self.area.x + x as u16, self.area.y + y as u16))
     }
 
+    /// Returns the cell next to one, the way a world direction points most; none outside the area.
+    fn cell_beside(&self, cell: Position, towards: DVec3) -> Option<Position> {
+        let (right, down) = self.direction.project(towards);
+        let (dx, dy) = if right.abs() >= down.abs() { (right.signum(), 0.0) } else { (0.0, down.signum()) };
+        let beside = Position::new(cell.x.checked_add_signed(dx as i16)?, cell.y.checked_add_signed(dy as i16)?);
+        self.area.contains(beside).then_some(beside)
+    }
+
     /// Returns the smallest and the largest projected lengths the area shows.
     fn visible(&self) -> ((f64, f64), (f64, f64)) {
         let half_width = f64::from(self.area.width) / self.dots_per_unit;
@@ -311,7 +338,7 @@ fn rank(role: Role) -> u8 {
     match role {
         Role::Ground => 0,
         Role::Trace => 1,
-        Role::Footprint => 2,
+        Role::Footprint | Role::MissedFootprint => 2,
         Role::OriginalPath => 3,
         Role::NewPath => 4,
         Role::Strain => 5,
@@ -332,6 +359,29 @@ fn mark_symbol(role: Role) -> char {
         Role::NewTracker => '■',
         _ => '•',
     }
+}
+
+/// Returns the direction from a body's middle to a foot's own side, world.
+fn outwards(print: &Footprint) -> DVec3 {
+    // A body that faces +z has +x on its left.
+    let left = heading_rotation(print.heading_rad) * DVec3::X;
+    if print.foot == Side::Left { left } else { -left }
+}
+
+fn footprint_symbol(print: &Footprint, seen: Direction) -> char {
+    // From above, +z is down and +x to the right; a heading turns from the one to the other.
+    const LEFT: [char; 8] = ['↓', '↘', '→', '↗', '↑', '↖', '←', '↙'];
+    const RIGHT: [char; 8] = ['⇓', '⇘', '⇒', '⇗', '⇑', '⇖', '⇐', '⇙'];
+    if print.role == Role::MissedFootprint {
+        return '!';
+    }
+    if seen != Direction::Top {
+        return '▁';
+    }
+    let eighth = (print.heading_rad / std::f64::consts::FRAC_PI_4).round().rem_euclid(8.0);
+    let arrows = if print.foot == Side::Left { LEFT } else { RIGHT };
+    // An undefined heading is 0; the cast saturates.
+    arrows[eighth as usize % 8]
 }
 
 /// Returns the root of a body and the ends of limbs that are low enough to be feet.
@@ -452,6 +502,7 @@ mod tests {
             revision: 1,
             body_height: 1.8,
             bodies: vec![body(Role::OriginalSkeleton), body(Role::NewSkeleton)],
+            footprints: Vec::new(),
             marks: controls.iter().enumerate().map(mark).collect(),
             curves: vec![
                 curve(Role::OriginalPath, Stroke::Dashed, straight),
@@ -546,12 +597,63 @@ mod tests {
     }
 
     #[test]
+    fn footprints_point_where_the_toes_do_and_tell_left_from_right() {
+        let mut scene = scene();
+        let quarter = 0.25 * TAU;
+        let print = |role, foot, x: f64, turns: f64| Footprint {
+            role,
+            foot,
+            at: DVec3::new(x, 0.0, 0.0),
+            heading_rad: turns * quarter,
+            length: 0.3,
+        };
+        let mut prints: Vec<Footprint> =
+            (0..8).map(|i| print(Role::Footprint, Side::Left, f64::from(i) - 4.0, 0.5 * f64::from(i))).collect();
+        prints.extend((0..4).map(|i| print(Role::Footprint, Side::Right, f64::from(i) + 4.0, -f64::from(i) - 0.1)));
+        prints.push(print(Role::MissedFootprint, Side::Right, 8.0, 0.0));
+        *Arc::make_mut(&mut scene.still) = Still {
+            footprints: prints,
+            curves: vec![],
+            marks: vec![],
+            ground: None,
+            labels: Vec::new(),
+            ..Still::clone(&scene.still)
+        };
+        scene.now.actors.clear();
+        scene.now.marks.clear();
+        let extent = Extent { centre: DVec3::new(2.0, 0.0, 0.0), half_width: 8.0, half_height: 0.4 };
+        let row = |direction| {
+            let view = PlanView { extent, ..view(&scene, direction) };
+            screen(16, 1, |area, buf| (&view).render(area, buf))[0].clone()
+        };
+        assert_eq!(row(Direction::Top), "  ↓↘→↗↑↖←↙⇓⇐⇑⇒! ");
+        assert_eq!(row(Direction::Front), "  ▁▁▁▁▁▁▁▁▁▁▁▁! ");
+    }
+
+    #[test]
+    fn a_footprint_is_not_lost_under_a_mark_or_another_print() {
+        let mut scene = scene();
+        let print =
+            |foot, heading_rad| Footprint { role: Role::Footprint, foot, at: DVec3::ZERO, heading_rad, length: 0.3 };
+        let still = Arc::make_mut(&mut scene.still);
+        still.footprints = vec![print(Side::Left, 0.0), print(Side::Right, 0.0), print(Side::Left, 0.25 * TAU)];
+        still.marks = vec![Mark { role: Role::ControlPoint, at: DVec3::ZERO, radius: 0.1 }];
+        (still.curves, still.labels, still.ground) = (Vec::new(), Vec::new(), None);
+        scene.now.actors.clear();
+        scene.now.marks.clear();
+        let extent = Extent { centre: DVec3::ZERO, half_width: 2.5, half_height: 2.5 };
+        let view = PlanView { extent, ..view(&scene, Direction::Top) };
+        assert_eq!(screen(5, 3, |area, buf| (&view).render(area, buf)), ["  →  ", " ⇓●↓ ", "     "]);
+    }
+
+    #[test]
     fn a_circle_is_round() {
         let mut scene = scene();
         let circle = (0..=90).map(|i| f64::from(i) / 90.0 * TAU).map(|a| DVec3::new(a.cos(), 0.0, a.sin())).collect();
         let still = Arc::make_mut(&mut scene.still);
         *still = Still {
             curves: vec![curve(Role::NewPath, Stroke::Solid, circle)],
+            footprints: Vec::new(),
             marks: Vec::new(),
             labels: Vec::new(),
             ground: None,
@@ -609,6 +711,7 @@ mod tests {
         *Arc::make_mut(&mut empty.still) = Still {
             bodies: Vec::new(),
             curves: Vec::new(),
+            footprints: Vec::new(),
             marks: Vec::new(),
             labels: Vec::new(),
             ..empty.still.as_ref().clone()

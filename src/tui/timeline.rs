@@ -6,12 +6,16 @@
 //! left     ▄▄▄▄   ▄▄▄▄▄    ▄▄▄▄
 //!        0 s       2 s       4 s      6 s
 //! ```
+//!
+//! What an interval is shows without colour too: `▄▄▄` was found and `███` is the user's, `~~~` is to be left alone, a
+//! `c` at its start says that it is cleaned, a `!` at its end that it was missed, and `◆` that keys act on it.
 
 use std::ops::RangeInclusive;
 
-use ratatui::{buffer::Buffer, layout::Rect, widgets::Widget};
+use ratatui::{buffer::Buffer, layout::Rect, style::Style, widgets::Widget};
 
 use super::{chart::column, colour::Palette, text};
+use crate::{contact::PlantMode, scene::Role};
 
 /// Labels of seconds are at least this many cells apart.
 const TICK_CELLS: f64 = 9.0;
@@ -30,8 +34,46 @@ pub struct TimelineMark {
 pub struct TimelineRow<'a> {
     /// What the intervals are, short.
     pub label: &'a str,
-    /// First and last frame of each.
-    pub intervals: &'a [RangeInclusive<usize>],
+    /// In order of time.
+    pub intervals: &'a [Interval],
+}
+
+/// An interval and what is to be seen of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Interval {
+    /// First and last frame.
+    pub frames: RangeInclusive<usize>,
+    /// What is done with it.
+    pub mode: PlantMode,
+    /// The user's, not found.
+    pub edited: bool,
+    /// Could not be done as wished.
+    pub missed: bool,
+    /// Keys act on it.
+    pub chosen: bool,
+}
+
+impl Interval {
+    /// Returns what fills it, and the signs at its start, at its end and in its middle.
+    fn symbols(&self) -> (char, [Option<char>; 3]) {
+        let fill = match (self.mode, self.edited) {
+            (PlantMode::Slide, _) => '~',
+            (_, true) => '█',
+            (_, false) => '▄',
+        };
+        let clean = self.mode == PlantMode::Clean;
+        (fill, [clean.then_some('c'), self.missed.then_some('!'), self.chosen.then_some('◆')])
+    }
+
+    fn style(&self, palette: Palette) -> Style {
+        if self.missed {
+            palette.role(Role::MissedFootprint)
+        } else if self.edited {
+            palette.changed()
+        } else {
+            palette.value()
+        }
+    }
 }
 
 /// Where the clip is.
@@ -101,9 +143,22 @@ impl Timeline<'_> {
     }
 
     fn draw_row(&self, row: &TimelineRow<'_>, plot: Rect, buf: &mut Buffer) {
-        for interval in row.intervals.iter().filter(|i| !i.is_empty() && *i.start() < self.n_frames) {
-            for x in self.column(*interval.start(), plot)..=self.column(*interval.end(), plot) {
-                buf[(x, plot.y)].set_char('▄').set_style(self.palette.value());
+        let seen = |i: &&Interval| !i.frames.is_empty() && *i.frames.start() < self.n_frames;
+        for interval in row.intervals.iter().filter(seen) {
+            let [first, last] = [interval.frames.start(), interval.frames.end()].map(|&f| self.column(f, plot));
+            let (fill, signs) = interval.symbols();
+            for x in first..=last {
+                buf[(x, plot.y)].set_char(fill).set_style(interval.style(self.palette));
+            }
+            // The later sign wins where there is room for one only.
+            for (sign, x) in signs.into_iter().zip([first, last, first + (last - first) / 2]) {
+                if let Some(sign) = sign {
+                    buf[(x, plot.y)].set_char(sign);
+                }
+            }
+            if interval.chosen {
+                let bar = Rect { x: first, width: last - first + 1, ..plot };
+                buf.set_style(bar, self.palette.role(Role::SelectedControlPoint));
             }
         }
         let cell = &mut buf[(self.column(self.playhead, plot), plot.y)];
@@ -155,9 +210,39 @@ mod tests {
         Timeline { n_frames, playhead, frame_time_secs: 1.0 / 30.0, marks: &MARKS, rows, palette }
     }
 
+    fn found(frames: RangeInclusive<usize>) -> Interval {
+        Interval { frames, mode: PlantMode::Hold, edited: false, missed: false, chosen: false }
+    }
+
+    #[test]
+    fn what_an_interval_is_shows_without_colour() {
+        let draw = |intervals: &[Interval]| {
+            let rows = [TimelineRow { label: "", intervals }];
+            screen(24, 3, |area, buf| (&Timeline { marks: &[], ..timeline(23, 22, &rows) }).render(area, buf))[2]
+                .clone()
+        };
+        let edited = |frames| Interval { edited: true, ..found(frames) };
+        let mode = |mode, frames| Interval { mode, ..edited(frames) };
+        assert_eq!(
+            draw(&[found(0..=4), edited(6..=9), mode(PlantMode::Slide, 11..=14), mode(PlantMode::Clean, 16..=19)]),
+            " ▄▄▄▄▄ ████ ~~~~ c███  ┃"
+        );
+        let missed = |interval| Interval { missed: true, ..interval };
+        let chosen = |interval| Interval { chosen: true, ..interval };
+        assert_eq!(
+            draw(&[missed(found(0..=4)), chosen(found(6..=10)), missed(chosen(edited(12..=14)))]),
+            " ▄▄▄▄! ▄▄◆▄▄ █◆!       ┃"
+        );
+        assert_eq!(
+            draw(&[missed(chosen(found(3..=3)))]),
+            "    ◆                  ┃",
+            "in one cell the chosen one is seen"
+        );
+    }
+
     #[test]
     fn the_bar_has_a_playhead_marks_rows_and_seconds() {
-        let rows = [TimelineRow { label: "left", intervals: &[10..=30, 60..=199] }];
+        let rows = [TimelineRow { label: "left", intervals: &[found(10..=30), found(60..=199)] }];
         let drawn = screen(40, 4, |area, buf| (&timeline(200, 50, &rows)).render(area, buf));
         assert_eq!(
             drawn,
@@ -180,7 +265,7 @@ mod tests {
     fn any_length_and_any_size_draw() {
         #[expect(clippy::reversed_empty_ranges, reason = "an interval that is none")]
         let rows = [
-            TimelineRow { label: "left foot", intervals: &[0..=0, 5..=2, 3..=usize::MAX] },
+            TimelineRow { label: "left foot", intervals: &[found(0..=0), found(5..=2), found(3..=usize::MAX)] },
             TimelineRow { label: "", intervals: &[] },
         ];
         for (n_frames, playhead) in [(0, 0), (1, 0), (2, 9), (200, 199), (usize::MAX, 3)] {

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::{camera::Bounds, shadow::Caster};
+use super::{camera::Bounds, footprint, shadow::Caster};
 use crate::scene::{Body, Curve, Ground, Mark, Now, Role, Still, Stroke};
 
 /// A capsule, a sphere (both ends equal) or a cube (both ends equal).
@@ -72,6 +72,9 @@ impl StillBatch {
         for p in still.curves.iter().flat_map(|c| &c.points) {
             bounds.add(*p, 0.0);
         }
+        for print in &still.footprints {
+            bounds.add(print.at, print.length);
+        }
         for mark in &still.marks {
             bounds.add(mark.at, mark.radius);
         }
@@ -86,6 +89,9 @@ impl StillBatch {
         let mut segments = Vec::new();
         for curve in still.ground.iter().flat_map(axes) {
             add_curve(&mut segments, &curve, 0.5, origin, still.body_height);
+        }
+        for curve in still.footprints.iter().flat_map(footprint::curves) {
+            add_curve(&mut segments, &curve, width(curve.role), origin, still.body_height);
         }
         for curve in &still.curves {
             add_curve(&mut segments, curve, width(curve.role), origin, still.body_height);
@@ -153,7 +159,7 @@ fn width(role: Role) -> f32 {
     match role {
         Role::NewPath | Role::Strain => 1.0,
         Role::OriginalPath => 0.85,
-        Role::Footprint => 0.7,
+        Role::Footprint | Role::MissedFootprint => 0.7,
         _ => 0.55,
     }
 }
@@ -238,6 +244,7 @@ mod tests {
                 stroke: Stroke::Dashed,
                 points: vec![DVec3::ZERO, DVec3::X * 3.0, DVec3::new(3.0, 4.0, 0.0)],
             }],
+            footprints: vec![],
             marks: vec![Mark { role: Role::ControlPoint, at: DVec3::ONE, radius: 0.1 }],
             labels: vec![],
             ground: None,

@@ -29,6 +29,7 @@ mod commands;
 mod device;
 mod error;
 mod font;
+mod footprint;
 pub mod headless;
 mod image;
 mod instance;

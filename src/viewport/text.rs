@@ -189,6 +189,7 @@ mod tests {
                 body_height: 1.0,
                 bodies: vec![],
                 curves: vec![],
+                footprints: vec![],
                 marks: vec![],
                 labels: labels.iter().map(label).collect(),
                 ground: None,

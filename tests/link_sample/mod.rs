@@ -23,6 +23,7 @@ pub(crate) fn still(revision: u64) -> Still {
             Curve { role: Role::OriginalPath, stroke: Stroke::Dashed, points: path.clone() },
             Curve { role: Role::NewPath, stroke: Stroke::Solid, points: path },
         ],
+        footprints: vec![],
         marks: points.clone().map(|at| Mark { role: Role::ControlPoint, at, radius: 0.05 }).collect(),
         labels: points.map(|at| Label { role: Role::ControlPoint, at, text: "3".to_owned() }).collect(),
         ground: Some(Ground { height: 0.0, centre: DVec3::ZERO, half_extent: 20.0, cell: 1.0 }),

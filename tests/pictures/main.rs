@@ -80,6 +80,11 @@ fn feet_on_the_ground() {
 }
 
 #[test]
+fn footprints_on_the_ground() {
+    check("footprints", &scenes::footprints(), Quality::Full, 640, 360);
+}
+
+#[test]
 fn awkward_ribbons() {
     check("ribbons", &scenes::ribbons(), Quality::Full, 640, 360);
 }

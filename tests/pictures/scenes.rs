@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use walkabout::motion::Side;
 use walkabout::scene::{
-    Body, Camera, Curve, Ground, Label, Limb, Mark, Now, Projection, Role, Scene, Still, Stroke, View,
+    Body, Camera, Curve, Footprint, Ground, Label, Limb, Mark, Now, Projection, Role, Scene, Still, Stroke, View,
 };
 
 /// A walking pose, metres, at the origin, facing +z; x is to the left.
@@ -111,6 +112,7 @@ pub(crate) fn full() -> Scene {
                 cubic(Role::NewPath, Stroke::Solid, [0.0, -7.8, 19.5, -11.3], [-0.6, 4.8, 1.8, -0.6]),
                 Curve { role: Role::ControlPoint, stroke: Stroke::Solid, points: control.to_vec() },
             ],
+            footprints: vec![],
             marks: vec![
                 mark(Role::ControlPoint, control[0], 0.08),
                 mark(Role::ControlPoint, control[1], 0.08),
@@ -153,6 +155,27 @@ pub(crate) fn feet() -> Scene {
     scene
 }
 
+/// Footprints of both feet on the ground and on a step, from above and near by; the last one was missed.
+pub(crate) fn footprints() -> Scene {
+    let mut scene = feet();
+    let print = |role, foot, at, heading_rad| Footprint { role, foot, at, heading_rad, length: 0.27 };
+    let still = Arc::make_mut(&mut scene.still);
+    still.revision = 4;
+    still.marks.clear();
+    still.labels.clear();
+    still.footprints = vec![
+        print(Role::Footprint, Side::Left, at(0.75, 0.0, 3.9), 0.0),
+        print(Role::Footprint, Side::Right, at(0.5, 0.0, 4.2), 0.3),
+        print(Role::Footprint, Side::Left, at(0.95, 0.15, 4.4), 0.6),
+        print(Role::MissedFootprint, Side::Right, at(0.9, 0.0, 4.8), 0.9),
+    ];
+    scene.now.actors.iter_mut().for_each(Vec::clear);
+    scene.now.marks.clear();
+    scene.now.labels.clear();
+    scene.now.views[0].title = "footprints".to_owned();
+    scene
+}
+
 /// Ribbons at their worst: a sharp zig-zag, a long dash behind the eye, points that coincide, one point alone.
 pub(crate) fn ribbons() -> Scene {
     let curve = |role, stroke, points: Vec<DVec3>| Curve { role, stroke, points };
@@ -169,6 +192,7 @@ pub(crate) fn ribbons() -> Scene {
                 curve(Role::Trace, Stroke::Solid, vec![at(1.5, 1.6, 0.0)]),
                 curve(Role::Footprint, Stroke::Dashed, vec![at(-2.0, 1.7, 0.0), at(2.0, 1.7, 0.0)]),
             ],
+            footprints: vec![],
             marks: vec![],
             labels: vec![],
             ground: None,

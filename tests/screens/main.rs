@@ -85,6 +85,8 @@ fn every_screen_draws_in_every_size() {
         "s",
         "a",
         "v",
+        "m",
+        "lmcl8lmx",
         "s!",
         "<space>",
         "2",
@@ -128,7 +130,7 @@ fn everything_stands_in_its_place() {
         "{}",
         start[0]
     );
-    assert!(start[1].contains(" [path] original  timing  clip ") && start[1].ends_with("›"), "{}", start[1]);
+    assert!(start[1].contains(" [path] original  timing  feet ") && start[1].ends_with("›"), "{}", start[1]);
     assert_eq!(start[18], "frame 0 of 569   0.00 s of 9.48 s");
     assert_eq!(start[19], format!("  ┃{}", "─".repeat(77)));
     assert!(start[20].starts_with("L ▄") && start[21].starts_with("R ▄"), "{} {}", start[20], start[21]);
@@ -167,6 +169,12 @@ fn each_state_says_what_it_is() {
         ("<s-tab><s-tab>", "original degree "),
         ("<s-tab><s-tab><s-tab>", "[camera]"),
         ("2", "camera 2"),
+        ("m", "Split it at the playhead."),
+        ("<tab><tab><tab>", "[feet]"),
+        ("<tab><tab><tab>l", "◆ plant 2"),
+        ("l6l6", "█◆█"),
+        ("lmc", "c███◆███"),
+        ("lms", "~~◆~~"),
     ] {
         let with = |keys| screen(keys, (120, 40)).join("\n");
         assert!(with(keys).contains(text) && !with("").contains(text), "after {keys}:\n{}", with(keys));

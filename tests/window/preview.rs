@@ -35,6 +35,7 @@ pub(crate) fn scene(number: u32) -> Scene {
             body_height: 1.5,
             bodies: vec![Body { role: Role::NewSkeleton, limbs: vec![Limb { from: 0, to: 1, radius: 0.25 }] }],
             curves: vec![],
+            footprints: vec![],
             marks: vec![],
             labels: vec![],
             ground: Some(Ground { height: 0.0, centre: DVec3::ZERO, half_extent: 8.0, cell: 0.5 }),
