@@ -14,6 +14,8 @@
 //! solve does not call it yet: the measures and the export's digits have to take turned joints first.
 
 mod banded;
+mod bend;
+mod cost;
 mod feet;
 mod hold;
 mod offset;
