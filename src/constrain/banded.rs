@@ -1,7 +1,6 @@
 //! Symmetric positive definite band matrices: Cholesky without pivots, rows of a fixed width.
 
 /// The lower band of a symmetric matrix: `rows[i][j]` is element (i, i − j) for `j` below `WIDTH`.
-#[derive(Clone)]
 pub(super) struct Banded<const WIDTH: usize> {
     rows: Vec<[f64; WIDTH]>,
 }

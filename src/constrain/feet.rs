@@ -96,18 +96,20 @@ pub(super) fn plan(leg: &PreparedLeg, job: &Job, passage: &[Rigid], frame_time_s
     let mut before: Option<&Stand> = None;
     for after in stands.iter().map(Some).chain([None]) {
         let end = after.map_or(n, |s| s.plant.plant.first);
-        let swing = before.zip(after).map(|(b, a)| a.plant.plant.first - b.plant.plant.last);
-        for f in feet.len()..end {
+        let swing = before.zip(after).map(|(b, a)| a.plant.plant.first.saturating_sub(b.plant.plant.last));
+        let begin = feet.len();
+        for (f, passage) in (begin..end).zip(&passage[begin..]) {
             let from = before.map(|b| (b, times.shares(f - b.plant.plant.last, swing)));
             let to = after.map(|a| (a, times.shares(a.plant.plant.first - f, swing)));
-            feet.push(between(from, to, &leg.frames[f].ankle_world, &passage[f], f));
+            feet.push(between(from, to, &leg.frames[f].ankle_world, passage, f));
         }
         let Some(stand) = after else { break };
-        for f in feet.len()..(stand.plant.plant.last + 1).min(n) {
+        let begin = feet.len();
+        for (f, passage) in (begin..=stand.plant.plant.last).zip(&passage[begin..]) {
             let ankle = &leg.frames[f].ankle_world;
             feet.push(match stand.moved(ankle, f) {
                 Some(ankle) => Planned { ankle, follows: DVec3::ZERO, plant: Some(stand.idx) },
-                None => Planned { ankle: passage[f] * *ankle, follows: DVec3::ONE, plant: None },
+                None => Planned { ankle: *passage * *ankle, follows: DVec3::ONE, plant: None },
             });
         }
         before = after;
@@ -146,7 +148,7 @@ fn stands<'a>(leg: &'a PreparedLeg, job: &Job, passage: &[Rigid], times: &Times)
     let n_shown = leg.plants.partition_point(|p| p.plant.first < passage.len());
     let is_held = |p: &PreparedPlant| p.plant.mode != PlantMode::Slide;
     let together = |a: &PreparedPlant, b: &PreparedPlant| {
-        is_held(a) && is_held(b) && b.plant.first - a.plant.last < times.shortest_swing
+        is_held(a) && is_held(b) && b.plant.first.saturating_sub(a.plant.last) < times.shortest_swing
     };
     let mut stands = Vec::with_capacity(n_shown);
     while stands.len() < n_shown {

@@ -20,6 +20,9 @@ use crate::{
 /// Weight of a leg in swing over one that stands.
 const SWING_WEIGHT: f64 = 0.5;
 
+/// Shorter clips are not worth another thread.
+const FEWEST_FRAMES: usize = 2000;
+
 /// A plant is missed when its foot is off by more than this share of the body height.
 const MISSED: f64 = 1e-4;
 
@@ -131,9 +134,12 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     held
 }
 
-/// Makes something of each leg, the first one's on this thread, the others' on their own.
+/// Makes something of each leg: of long clips the first one's on this thread, the others' on their own.
 fn each<T: Send>(legs: &[PreparedLeg], make: impl Fn(usize, &PreparedLeg) -> T + Sync) -> Vec<T> {
     let Some((first, others)) = legs.split_first() else { return Vec::new() };
+    if first.frames.len() < FEWEST_FRAMES {
+        return legs.iter().enumerate().map(|(idx, leg)| make(idx, leg)).collect();
+    }
     let make = &make;
     std::thread::scope(|scope| {
         let others: Vec<_> = (1..).zip(others).map(|(idx, leg)| scope.spawn(move || make(idx, leg))).collect();

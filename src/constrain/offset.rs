@@ -4,7 +4,9 @@
 //! make the sum of costs over the whole clip least: turn each knee no further than the performer's, keep planted legs
 //! within reach, at any price, stay near plain path editing, and be smooth. The search is Newton's: in each step the
 //! costs are replaced by springs ([`Cost`]), and the springs' equations form a band matrix. A step that would raise the
-//! cost is taken again, damped.
+//! cost is taken again, damped. Stretches of the clip that are as they should be are left out of the next steps.
+
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -14,7 +16,7 @@ use super::{
 };
 
 /// Time between the frames that the problem is set up with, seconds; what is smooth needs no more.
-const SAMPLE_SECS: f64 = 0.025;
+const SAMPLE_SECS: f64 = 0.034;
 
 /// Time between knots, seconds.
 const KNOT_SECS: f64 = 0.1;
@@ -28,8 +30,11 @@ const LIMIT_PRICE: f64 = 1e5;
 /// Share of that price and most steps with it: which legs are too long is not known at once.
 const STAGES: [(f64, usize); 4] = [(1e-3, 2), (1e-2, 2), (1e-1, 2), (1.0, 30)];
 
-/// A step that moves the carrier less than this share of a leg ends a stage.
-const STEP_ACCURACY: f64 = 5e-5;
+/// A control point that has moved less than this share of a leg stays where it is …
+const STEP_ACCURACY: f64 = 2e-4;
+
+/// … unless one of so many on either side of it has moved more.
+const MARGIN: usize = 5;
 
 /// A cost that grows by less than this share has not grown.
 const COST_ACCURACY: f64 = 1e-9;
@@ -50,15 +55,18 @@ pub(super) struct Problem<'a> {
     pub(super) height: f64,
 }
 
-/// A guess at the control points, with the offsets and the springs there.
-struct Guess {
-    points: Vec<f64>,
-    offsets: Vec<DVec3>,
-    cost: f64,
-    stiffness: Banded<WIDTH>,
-    force: Vec<f64>,
-    /// Whether any leg is too long.
-    any_long: bool,
+/// Control points that are being searched for, with what the frames ask of them where they are.
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    spline: Spline,
+    /// Price of a leg's excess over its limit.
+    limit_price: f64,
+    points: Vec<DVec3>,
+    intervals: Vec<Interval>,
+    /// Points that may still have to move.
+    active: Vec<bool>,
+    /// Of the step that moves a point next.
+    damping: Vec<f64>,
 }
 
 impl Problem<'_> {
@@ -68,88 +76,154 @@ impl Problem<'_> {
         if n == 0 {
             return Vec::new();
         }
-        let spline = Spline::new(n, self.frame_time_secs);
-        let accuracy = STEP_ACCURACY * self.wishes[0][0].length;
-        let mut points = vec![0.0; 3 * spline.n_points];
+        let mut search = Search::new(self, Spline::new(n, self.frame_time_secs));
         for (share, most_steps) in STAGES {
-            let mut guess = self.guess(&spline, points, LIMIT_PRICE * share);
-            let mut damping = 0.0;
-            let mut moved = f64::INFINITY;
+            search.set_limit_price(LIMIT_PRICE * share);
             for _ in 0..most_steps {
-                let next = self.guess(&spline, guess.stepped(damping * spline.knot_secs()), LIMIT_PRICE * share);
-                moved = farthest(&guess.offsets, &next.offsets);
-                if next.cost <= guess.cost * (1.0 + COST_ACCURACY) {
-                    guess = next;
-                    damping = if damping > FIRST_DAMPING { 0.25 * damping } else { 0.0 };
-                } else {
-                    damping = FIRST_DAMPING.max(4.0 * damping);
-                }
-                if moved < accuracy {
+                if !search.step() {
                     break;
                 }
             }
-            if share == 1.0 || (moved < accuracy && !guess.any_long) {
-                return guess.offsets;
-            }
-            points = guess.points;
         }
-        unreachable!("the last stage has the whole price")
-    }
-
-    /// Sets up the springs about a guess.
-    fn guess(&self, spline: &Spline, points: Vec<f64>, limit_price: f64) -> Guess {
-        let offsets = spline.at_frames(&points);
-        let mut stiffness = Banded::<WIDTH>::zeros(points.len());
-        let mut force = vec![0.0; points.len()];
-        let (mut cost, mut any_long) = (0.0, false);
-        for (interval, first) in (0..spline.n_frames).step_by(spline.interval).enumerate() {
-            let mut sums = Sums::default();
-            for frame in first..(first + spline.interval).min(spline.n_frames) {
-                let offset = offsets[frame];
-                // Wishes are smooth and looked at now and then; limits are not.
-                let is_sample = (frame - first).is_multiple_of(spline.stride);
-                let is_long = self.wishes.iter().any(|leg| leg[frame].is_long(offset));
-                if !is_sample && !is_long {
-                    continue;
-                }
-                let mut at = Cost::default();
-                if is_sample {
-                    let share = spline.stride as f64;
-                    self.wishes.iter().for_each(|leg| leg[frame].add_knee(offset, share, &mut at));
-                    at.add_offset(offset, self.height, share);
-                }
-                if is_long {
-                    any_long = true;
-                    let long = self.wishes.iter().map(|leg| &leg[frame]).filter(|wish| wish.is_long(offset));
-                    long.for_each(|wish| wish.add_limit(offset, limit_price, &mut at));
-                }
-                cost += at.value;
-                sums.add(&at, &spline.basis[frame - first]);
-            }
-            sums.scatter(interval, self.frame_time_secs, &mut stiffness, &mut force);
-        }
-        cost = cost * self.frame_time_secs + spline.add_smoothness(&points, &mut stiffness, &mut force);
-        Guess { points, offsets, cost, stiffness, force, any_long }
+        search.spline.at_frames(&search.points)
     }
 }
 
-impl Guess {
-    /// Returns the control points at which the springs are at rest, damped.
-    fn stepped(&self, damping: f64) -> Vec<f64> {
-        let mut stiffness = self.stiffness.clone();
-        if damping > 0.0 {
-            (0..self.points.len()).for_each(|row| stiffness.add(row, row, damping));
+impl<'a> Search<'a> {
+    fn new(problem: &'a Problem<'a>, spline: Spline) -> Self {
+        let n = spline.n_points;
+        let mut search = Self {
+            problem,
+            spline,
+            limit_price: 0.0,
+            points: vec![DVec3::ZERO; n],
+            intervals: Vec::new(),
+            active: vec![true; n],
+            damping: vec![0.0; n],
+        };
+        search.intervals = search.looked_at(0..n - 3, &search.points);
+        search
+    }
+
+    /// Sets the price of overlong legs; points near them may have to move again.
+    fn set_limit_price(&mut self, price: f64) {
+        self.limit_price = price;
+        for interval in 0..self.intervals.len() {
+            if self.intervals[interval].any_long {
+                self.intervals[interval] = self.interval(interval, &self.points, 0);
+                self.activate(interval..interval + 4);
+            }
         }
-        let mut step = self.force.clone();
-        stiffness.solve(&mut step);
-        step.iter_mut().zip(&self.points).for_each(|(step, point)| *step += point);
-        step
+    }
+
+    fn activate(&mut self, points: Range<usize>) {
+        let end = (points.end + MARGIN).min(self.active.len());
+        self.active[points.start.saturating_sub(MARGIN)..end].fill(true);
+    }
+
+    /// Moves all active points once; returns whether any is still active.
+    fn step(&mut self) -> bool {
+        let runs: Vec<Range<usize>> = runs(&self.active);
+        self.active.fill(false);
+        for run in &runs {
+            self.step_run(run.clone());
+        }
+        !runs.is_empty()
+    }
+
+    /// Moves a run of points to where its springs are at rest, unless that raises the cost.
+    fn step_run(&mut self, run: Range<usize>) {
+        let touched = run.start.saturating_sub(3)..run.end.min(self.intervals.len());
+        let damping = self.damping[run.clone()].iter().copied().fold(0.0, f64::max);
+        let steps = self.rest(run.clone(), touched.clone(), damping * self.spline.knot_secs());
+        let accuracy = STEP_ACCURACY * self.problem.wishes[0][0].length;
+        let moved = |step: &DVec3| step.length_squared() > accuracy * accuracy;
+
+        // The points that the touched intervals see, moved.
+        let seen = touched.start..(touched.end + 3).min(self.points.len());
+        let mut points = self.points[seen.clone()].to_vec();
+        for (point, step) in points[run.start - seen.start..].iter_mut().zip(&steps) {
+            *point += *step;
+        }
+        let intervals: Vec<Interval> =
+            touched.clone().map(|interval| self.interval(interval, &points, seen.start)).collect();
+        let sum = |intervals: &[Interval]| intervals.iter().map(|i| i.sums.value).sum::<f64>();
+        let dt = self.problem.frame_time_secs;
+        let was = dt * sum(&self.intervals[touched.clone()]) + self.spline.roughness(&self.points[seen.clone()]);
+        let is = dt * sum(&intervals) + self.spline.roughness(&points);
+        if is > was * (1.0 + COST_ACCURACY) {
+            if steps.iter().any(moved) {
+                self.damping[run.clone()].fill(FIRST_DAMPING.max(4.0 * damping));
+                self.active[run].fill(true);
+            }
+            return;
+        }
+        self.damping[run.clone()].fill(if damping > FIRST_DAMPING { 0.25 * damping } else { 0.0 });
+        self.points[seen].copy_from_slice(&points);
+        self.intervals.splice(touched, intervals);
+        for (point, _) in (run.start..).zip(&steps).filter(|(_, step)| moved(step)) {
+            self.activate(point..point + 1);
+        }
+    }
+
+    /// Returns the steps that take a run of points to where the springs are at rest, all other points held.
+    fn rest(&self, run: Range<usize>, touched: Range<usize>, damping: f64) -> Vec<DVec3> {
+        let mut equations = Equations::new(run);
+        for interval in touched.clone() {
+            equations.add(interval, &self.intervals[interval].sums, self.problem.frame_time_secs);
+            equations.add_smoothness(interval, &self.points, self.spline.smoothness());
+        }
+        equations.solved(damping)
+    }
+
+    /// Looks at the frames of some intervals.
+    fn looked_at(&self, intervals: Range<usize>, points: &[DVec3]) -> Vec<Interval> {
+        intervals.map(|interval| self.interval(interval, points, 0)).collect()
+    }
+
+    /// Looks at the frames of one interval; `points` begin with control point `from`.
+    fn interval(&self, interval: usize, points: &[DVec3], from: usize) -> Interval {
+        let spline = &self.spline;
+        let four = &points[interval - from..][..4];
+        let first = interval * spline.interval;
+        let mut found = Interval::default();
+        for (phase, frame) in (first..(first + spline.interval).min(spline.n_frames)).enumerate() {
+            let basis = &spline.basis[phase];
+            let offset = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
+            // Wishes are smooth and looked at now and then; limits are not.
+            let is_sample = phase.is_multiple_of(spline.stride);
+            let is_long = self.problem.wishes.iter().any(|leg| leg[frame].is_long(offset));
+            if !is_sample && !is_long {
+                continue;
+            }
+            let mut at = Cost::default();
+            if is_sample {
+                let share = spline.stride as f64;
+                self.problem.wishes.iter().for_each(|leg| leg[frame].add_knee(offset, share, &mut at));
+                at.add_offset(offset, self.problem.height, share);
+            }
+            if is_long {
+                found.any_long = true;
+                let long = self.problem.wishes.iter().map(|leg| &leg[frame]).filter(|wish| wish.is_long(offset));
+                long.for_each(|wish| wish.add_limit(offset, self.limit_price, &mut at));
+            }
+            found.sums.add(&at, basis);
+        }
+        found
     }
 }
 
-/// Returns the largest distance between two lists.
-fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt()
+/// Returns the runs of true values.
+fn runs(values: &[bool]) -> Vec<Range<usize>> {
+    let mut at = 0;
+    let mut runs = Vec::new();
+    for run in values.chunk_by(|a, b| a == b) {
+        if run[0] {
+            runs.push(at..at + run.len());
+        }
+        at += run.len();
+    }
+    runs
 }
 
 /// A cubic B-spline with a knot every few frames.
@@ -165,6 +239,9 @@ struct Spline {
     basis: Vec<[f64; 4]>,
 }
 
+/// Third difference of four control points.
+const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
+
 impl Spline {
     fn new(n_frames: usize, frame_time_secs: f64) -> Self {
         let stride = (SAMPLE_SECS / frame_time_secs).floor().max(1.0) as usize;
@@ -177,30 +254,20 @@ impl Spline {
         self.interval as f64 * self.frame_time_secs
     }
 
-    /// Adds the springs of smoothness about control points; returns its cost.
-    fn add_smoothness(&self, points: &[f64], stiffness: &mut Banded<WIDTH>, force: &mut [f64]) -> f64 {
-        const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
-        let price = SMOOTHNESS / self.knot_secs().powi(5);
-        let mut cost = 0.0;
-        for first in 0..3 * (self.n_points - 3) {
-            let at = |k: usize| first + 3 * k;
-            let third: f64 = (0..4).map(|k| THIRD[k] * points[at(k)]).sum();
-            cost += price * third * third;
-            for k in 0..4 {
-                force[at(k)] -= price * third * THIRD[k];
-                for l in 0..=k {
-                    stiffness.add(at(k), at(l), price * THIRD[k] * THIRD[l]);
-                }
-            }
-        }
-        cost
+    /// Returns the price of a third difference squared.
+    fn smoothness(&self) -> f64 {
+        SMOOTHNESS / self.knot_secs().powi(5)
+    }
+
+    /// Returns the price of control points not being smooth.
+    fn roughness(&self, points: &[DVec3]) -> f64 {
+        self.smoothness() * points.windows(4).map(|four| third(four).length_squared()).sum::<f64>()
     }
 
     /// Evaluates the spline at every frame.
-    fn at_frames(&self, points: &[f64]) -> Vec<DVec3> {
+    fn at_frames(&self, points: &[DVec3]) -> Vec<DVec3> {
         let mut offsets = Vec::with_capacity(self.n_frames + self.interval);
-        for interval in 0..self.n_frames.div_ceil(self.interval) {
-            let four = [0, 1, 2, 3].map(|k| DVec3::from_slice(&points[3 * (interval + k)..]));
+        for four in points.windows(4) {
             offsets
                 .extend(self.basis.iter().map(|b| four[0] * b[0] + four[1] * b[1] + four[2] * b[2] + four[3] * b[3]));
         }
@@ -209,16 +276,29 @@ impl Spline {
     }
 }
 
+fn third(four: &[DVec3]) -> DVec3 {
+    four[0] * THIRD[0] + four[1] * THIRD[1] + four[2] * THIRD[2] + four[3] * THIRD[3]
+}
+
+/// What the frames from one knot to the next ask.
+#[derive(Default)]
+struct Interval {
+    sums: Sums,
+    any_long: bool,
+}
+
 /// What the frames of one interval add up to, as seen by its four control points.
 #[derive(Default)]
 struct Sums {
+    value: f64,
+    force: [DVec3; 4],
     /// By pair of control points, the second one not after the first.
     stiffness: [[f64; 6]; 10],
-    force: [DVec3; 4],
 }
 
 impl Sums {
     fn add(&mut self, cost: &Cost, basis: &[f64; 4]) {
+        self.value += cost.value;
         let mut pair = 0;
         for k in 0..4 {
             self.force[k] += basis[k] * cost.force;
@@ -231,26 +311,72 @@ impl Sums {
             }
         }
     }
+}
 
-    /// Adds these sums to the equations.
-    fn scatter(&self, interval: usize, scale: f64, stiffness: &mut Banded<WIDTH>, force: &mut [f64]) {
+/// The springs' equations for a run of control points.
+struct Equations {
+    run: Range<usize>,
+    stiffness: Banded<WIDTH>,
+    force: Vec<f64>,
+}
+
+impl Equations {
+    fn new(run: Range<usize>) -> Self {
+        let n = 3 * run.len();
+        Self { run, stiffness: Banded::zeros(n), force: vec![0.0; n] }
+    }
+
+    /// Returns the row of a control point's first axis; none for a point that is held.
+    fn row(&self, point: usize) -> Option<usize> {
+        self.run.contains(&point).then(|| 3 * (point - self.run.start))
+    }
+
+    /// Adds what the frames of an interval ask.
+    fn add(&mut self, interval: usize, sums: &Sums, scale: f64) {
         /// Where element (row, column) of a symmetric 3 × 3 matrix is.
         const AT: [[usize; 3]; 3] = [[0, 1, 3], [1, 2, 4], [3, 4, 5]];
-        let mut pair = 0;
         for k in 0..4 {
+            let Some(row) = self.row(interval + k) else { continue };
             for l in 0..=k {
-                for axis in 0..3 {
-                    let row = 3 * (interval + k) + axis;
-                    for other in 0..if l == k { axis + 1 } else { 3 } {
-                        stiffness.add(row, 3 * (interval + l) + other, scale * self.stiffness[pair][AT[axis][other]]);
+                let Some(column) = self.row(interval + l) else { continue };
+                let square = &sums.stiffness[k * (k + 1) / 2 + l];
+                for (axis, at) in AT.iter().enumerate() {
+                    let n_columns = if l == k { axis + 1 } else { 3 };
+                    for (other, &at) in at[..n_columns].iter().enumerate() {
+                        self.stiffness.add(row + axis, column + other, scale * square[at]);
                     }
                 }
-                pair += 1;
             }
-            for axis in 0..3 {
-                force[3 * (interval + k) + axis] += scale * self.force[k][axis];
+            for (force, sum) in self.force[row..row + 3].iter_mut().zip(sums.force[k].to_array()) {
+                *force += scale * sum;
             }
         }
+    }
+
+    /// Adds what smoothness asks of an interval's control points.
+    fn add_smoothness(&mut self, interval: usize, points: &[DVec3], price: f64) {
+        let third = third(&points[interval..][..4]).to_array();
+        for (k, row_share) in THIRD.into_iter().enumerate() {
+            let Some(row) = self.row(interval + k) else { continue };
+            for (force, third) in self.force[row..].iter_mut().zip(third) {
+                *force -= price * row_share * third;
+            }
+            for (l, column_share) in THIRD.into_iter().enumerate().take(k + 1) {
+                let Some(column) = self.row(interval + l) else { continue };
+                for axis in 0..3 {
+                    self.stiffness.add(row + axis, column + axis, price * row_share * column_share);
+                }
+            }
+        }
+    }
+
+    /// Solves for the steps of the run's points.
+    fn solved(mut self, damping: f64) -> Vec<DVec3> {
+        if damping > 0.0 {
+            (0..self.force.len()).for_each(|row| self.stiffness.add(row, row, damping));
+        }
+        self.stiffness.solve(&mut self.force);
+        self.force.chunks_exact(3).map(DVec3::from_slice).collect()
     }
 }
 
