@@ -116,8 +116,29 @@ fn plants_and_feet_are_told_with_the_source_beside_the_edited_clip() {
         assert!((edited - source).abs() < 1e-9, "{source} {edited}");
     }
     for (source, edited) in speeds(&["--shape", "circle"]) {
+        assert!((edited / source - 1.0).abs() < 0.02, "held, feet slide as the performer's do: {source} {edited}");
+    }
+    for (source, edited) in speeds(&["--shape", "circle", "--set", "plants.clean=true"]) {
+        assert!(edited < 0.1 * source, "cleaned, they stand still: {source} {edited}");
+    }
+    for (source, edited) in speeds(&["--shape", "circle", "--set", "plants.hold=false"]) {
         assert!(edited > 1.5 * source, "carried rigidly, feet slide: {source} {edited}");
     }
+}
+
+#[test]
+fn scripts_can_refuse_an_edit_by_its_numbers() {
+    let held = ["measure", "--shape", "circle", "--fail", "slip_ratio=1.05", "--fail", "missed=0", "--json"];
+    let output = walkabout(&held);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let slides =
+        ["measure", "--shape", "circle", "--set", "plants.hold=false", "--fail", "slip=0.02", "--fail", "missed=0"];
+    let output = walkabout(&slides);
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("slip of LeftAnkle is 0.") && told.contains(", more than 0.02"), "{told}");
+    assert!(!output.stdout.is_empty(), "the numbers are printed all the same");
+    assert_eq!(walkabout(&["measure", "--fail", "slop=1"]).status.code(), Some(2));
 }
 
 #[test]

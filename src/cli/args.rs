@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::limits::Limit;
 use crate::path::Shape;
 
 /// Makes captured motion walk any path.
@@ -88,6 +89,7 @@ pub enum Verb {
         picture: Picture,
     },
     /// Prints the quality numbers, source beside edited.
+    #[command(after_help = Limit::help())]
     Measure {
         /// What to measure.
         #[command(flatten)]
@@ -95,6 +97,9 @@ pub enum Verb {
         /// Prints JSON.
         #[arg(long)]
         json: bool,
+        /// Exits with status 1 when a number is beyond a limit; may be given often.
+        #[arg(long, value_name = "NAME=LIMIT")]
+        fail: Vec<Limit>,
     },
     /// Says what was found: terminal, colours, Vulkan driver, display.
     Doctor,

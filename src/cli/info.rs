@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Failure, args::Clip};
 use crate::{
     document::{Document, Solved},
-    motion::{Leg, Side, legs::point_name},
+    motion::{Leg, legs::point_name},
 };
 
 pub(super) fn run(clip: &Clip, as_json: bool) -> Result<(), Failure> {
@@ -65,7 +65,7 @@ fn legs(solved: &Solved) -> Vec<serde_json::Value> {
 fn plants(solved: &Solved) -> serde_json::Value {
     let mut sides = json!({ "left": [], "right": [] });
     for foot in &solved.feet.plants {
-        let side = if foot.leg.side == Side::Left { "left" } else { "right" };
+        let side = foot.leg.side.name();
         let frames =
             foot.plants.iter().map(|p| json!([solved.clip.file_frame(p.first), solved.clip.file_frame(p.last)]));
         sides[side].as_array_mut().expect("made above").extend(frames);

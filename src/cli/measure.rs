@@ -4,16 +4,22 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Failure, args::Clip, info::shown_file};
+use super::{Failure, args::Clip, info::shown_file, limits::Limit};
 use crate::{
     contact::FootPlants,
     document::{Document, Solved},
     measure::{FootNumbers, Pair},
 };
 
-pub(super) fn run(clip: &Clip, as_json: bool) -> Result<(), Failure> {
+pub(super) fn run(clip: &Clip, as_json: bool, limits: &[Limit]) -> Result<(), Failure> {
     let document = super::open_loudly(clip)?;
-    if as_json { super::print_json(&report(clip, &document)) } else { super::print(&text(document.solved())) }
+    if as_json {
+        super::print_json(&report(clip, &document))?
+    } else {
+        super::print(&text(document.solved()))?
+    }
+    let broken: Vec<String> = limits.iter().flat_map(|limit| limit.broken_by(document.solved())).collect();
+    if broken.is_empty() { Ok(()) } else { Err(Failure::Limit(broken.join("\nwalkabout: "))) }
 }
 
 fn report(clip: &Clip, document: &Document) -> serde_json::Value {
@@ -45,7 +51,7 @@ fn report(clip: &Clip, document: &Document) -> serde_json::Value {
         "jerk_ratio": measures.jerk_ratio,
         "path_error": measures.path_error,
         "seam": seam,
-        "warnings": solved.warnings,
+        "warnings": solved.warnings.iter().cloned().chain(solved.missed_plants()).collect::<Vec<_>>(),
     })
 }
 
@@ -92,6 +98,11 @@ fn text(solved: &Solved) -> String {
             let value = numbers.map_or_else(|| "–".to_owned(), |p| format!("{:.5} → {:.5}", p.source, p.edited));
             line(&format!("  {name}"), value, unit);
         }
+    }
+    for strain in solved.strains.iter() {
+        let rest = solved.clip.rest_frames();
+        let frames = format!("frames {} to {}", strain.frames.start + rest, strain.frames.end - 1 + rest);
+        line(&format!("too much {}", strain.cause.word()), frames, &solved.strain(strain));
     }
     for s in &measures.seam {
         line(

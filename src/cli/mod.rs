@@ -7,6 +7,7 @@ mod args;
 mod doctor;
 mod export;
 mod info;
+mod limits;
 mod measure;
 mod render;
 mod tables;
@@ -40,6 +41,9 @@ pub enum Failure {
     /// The picture could not be made.
     #[error(transparent)]
     Gpu(#[from] crate::viewport::GpuError),
+    /// A quality number is beyond its `--fail` limit.
+    #[error("{0}")]
+    Limit(String),
     /// The output could not be written.
     #[error("cannot write the output: {0}")]
     Output(#[from] io::Error),
@@ -61,7 +65,7 @@ pub fn run(verb: &Verb) -> ExitCode {
         Verb::Info { clip, json } => info::run(clip, *json),
         Verb::Export { clip, output } => export::run(clip, output),
         Verb::Render { clip, output, picture } => render::run(clip, output, picture),
-        Verb::Measure { clip, json } => measure::run(clip, *json),
+        Verb::Measure { clip, json, fail } => measure::run(clip, *json, fail),
         Verb::Doctor => doctor::run(),
         Verb::Params => print(&tables::params()),
         Verb::Keys => print(&tables::keys()),
@@ -102,7 +106,8 @@ pub fn open(clip: &Clip) -> Result<(Document, Vec<String>), Failure> {
 /// Opens as [`open`] does and tells the warnings on stderr.
 fn open_loudly(clip: &Clip) -> Result<Document, Failure> {
     let (document, warnings) = open(clip)?;
-    for warning in warnings.iter().chain(&document.solved().warnings) {
+    let solved = document.solved();
+    for warning in warnings.into_iter().chain(solved.warnings.iter().cloned()).chain(solved.missed_plants()) {
         eprintln!("walkabout: warning: {warning}");
     }
     Ok(document)

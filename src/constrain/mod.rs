@@ -10,8 +10,7 @@
 //! plain path edit ─▶ Job ─────────┴▶ targets of the feet ─▶ offset of the carrier ─▶ two-bone IK ─▶ Held
 //! ```
 //!
-//! [`Prepared`] holds what follows from the source alone; [`hold()`] is made to run on every key press. The
-//! solve does not call it yet: the measures and the export's digits have to take turned joints first.
+//! [`Prepared`] holds what follows from the source alone; [`hold()`] is made to run on every key press.
 
 mod banded;
 mod bend;

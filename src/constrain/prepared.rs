@@ -117,6 +117,17 @@ impl Prepared {
         self.n_frames
     }
 
+    /// Returns the length of thigh and shin together, the clip's unit; of the first leg at the first frame.
+    pub fn leg_length(&self) -> Option<f64> {
+        self.legs.first().and_then(|leg| leg.frames.first()).map(|frame| frame.length)
+    }
+
+    /// Returns where a leg's foot stands in the source, plant by plant, intended slides left out; world.
+    pub fn footprints(&self, leg_idx: usize) -> impl Iterator<Item = DVec3> + '_ {
+        let held = self.legs[leg_idx].plants.iter().filter(|plant| plant.plant.mode != PlantMode::Slide);
+        held.map(|plant| plant.foot)
+    }
+
     /// Returns the legs that are held, in the order of what a result says of legs.
     pub fn legs(&self) -> impl ExactSizeIterator<Item = Leg> + '_ {
         self.legs.iter().map(|leg| leg.leg)

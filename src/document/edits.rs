@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::{
+    constrain::Ground,
     contact::Thresholds,
     motion::ClipOptions,
     path::{Cycling, Degree, Integrator, ResidualFrame},
@@ -25,7 +26,7 @@ pub struct Edits {
     pub path: PathEdits,
     /// Speed along the new path.
     pub timing: TimingEdits,
-    /// How foot plants are found.
+    /// How foot plants are found and held.
     pub plants: PlantsEdits,
     /// What is drawn and from where; saved with a project, outside undo.
     pub view: ViewEdits,
@@ -82,8 +83,24 @@ impl Default for PathEdits {
     }
 }
 
-/// `plants.*`: detection.
-pub type PlantsEdits = Thresholds;
+/// `plants.*`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlantsEdits {
+    /// How plants are found.
+    pub detection: Thresholds,
+    /// Feet stay where they stand on the new path.
+    pub hold: bool,
+    /// The foot's own slide in a plant is removed, but for plants whose mode was chosen.
+    pub clean: bool,
+    /// How planted feet stand on a path that climbs.
+    pub ground: Ground,
+}
+
+impl Default for PlantsEdits {
+    fn default() -> Self {
+        Self { detection: Thresholds::default(), hold: true, clean: false, ground: Ground::Ramp }
+    }
+}
 
 /// `timing.*`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,9 @@
 //! The feet of a clip: its legs, when they stand, and how well the edited clip keeps them standing.
 
 use crate::{
-    contact::{Detection, FootPlants, Thresholds},
-    measure::{Body, FootMeasure, FootNumbers, FootTracks},
+    constrain::Prepared,
+    contact::{Detection, FootPlants, PlantMode, Thresholds},
+    measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed, Turning},
     motion::{Clip, ClipOptions, Decided, EditedClip, Leg, legs::find_legs},
 };
 
@@ -34,10 +35,26 @@ impl Feet {
         Self { legs, plants, warnings }
     }
 
+    /// Prepares the legs to be held; `clean` removes the feet's own slide from plants that are only to be held.
+    pub(super) fn prepared(&self, clip: &Clip, clean: bool) -> Prepared {
+        let mut feet = self.plants.clone();
+        for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
+            if clean && plant.mode == PlantMode::Hold {
+                plant.mode = PlantMode::Clean;
+            }
+        }
+        Prepared::new(clip, &feet)
+    }
+
+    /// Prepares the joints that holding turns to be measured.
+    pub(super) fn turning(clip: &Clip, prepared: &Prepared) -> Turning {
+        Turning::of(clip, prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]))
+    }
+
     /// Measures each foot, source beside edited, in the order of the legs.
-    pub(super) fn numbers(&self, clip: &Clip, body: &Body, edited: &EditedClip) -> Vec<FootNumbers> {
+    pub(super) fn numbers(&self, clip: &Clip, body: &Body, placed: &Placed, edited: &EditedClip) -> Vec<FootNumbers> {
         let points: Vec<usize> = self.legs.value.iter().flat_map(|leg| [leg.ankle.idx(), leg.toe]).collect();
-        let moved = body.moved(&points, &edited.carrier_world, &edited.source_frames);
+        let moved = body.points(&points, placed);
         let source = body.tracks();
         let measure = |(idx, foot): (usize, &FootPlants)| {
             FootMeasure {

@@ -8,11 +8,13 @@ mod edits;
 mod feet;
 mod files;
 mod history;
+mod holding;
 mod parameter;
 mod project;
 mod solve;
 mod solved;
 mod source;
+mod strain;
 mod table;
 
 use std::{path::Path, path::PathBuf, sync::Arc};
@@ -26,11 +28,13 @@ pub use edits::{
 pub use feet::Feet;
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use history::History;
+pub use holding::Holding;
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
 pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
+pub use strain::{Cause, Strain};
 pub use table::{PARAMETERS, parameter};
 
 /// A source being edited: its history and its newest result.

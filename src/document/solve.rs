@@ -2,21 +2,20 @@
 //!
 //! ```text
 //! clip ─┬─▶ original path ─┬─▶ residuals ──────────────┐
-//!       │                  ├─▶ progress ─▶ timing ─▶ edited clip ─▶ measures
-//!       │                  └─▶ new path ─▶ ┘           │
-//!       ├─▶ body ──────────────────────────────────────┤
-//!       └─▶ feet ──────────────────────────────────────┘
+//!       │                  ├─▶ progress ─▶ timing ─▶ edited clip, feet held ─▶ measures
+//!       │                  └─▶ new path ─▶ ┘           │                      │
+//!       ├─▶ feet ─▶ legs prepared ─────────────────────┘                      │
+//!       └─▶ body ─────────────────────────────────────────────────────────────┘
 //! ```
 //!
 //! A stage whose input equals its previous input hands its previous output on, so equality of inputs is all there is
-//! to it: upstream stages are compared by pointer, settings by value. Held plants, joined cycles and
-//! displacement maps will be stages between the edited clip and the measures.
+//! to it: upstream stages are compared by pointer, settings by value.
 
-use std::sync::Arc;
+use std::{panic::resume_unwind, sync::Arc, thread};
 
 use glam::DVec3;
 
-use super::{Edits, Feet, Solved, Source};
+use super::{Edits, Feet, Solved, Source, holding::Carriage, strain::Asked};
 use crate::{
     curve::BSpline,
     math::Rigid,
@@ -41,8 +40,11 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         None => read(source, edits),
     };
 
-    let same_feet = before.filter(|p| p.edits.plants == edits.plants);
-    let feet = reuse(same_feet, |p| &p.feet, || Feet::of(&clip, &edits.clip, &body, edits.plants));
+    let same_feet = before.filter(|p| p.edits.plants.detection == edits.plants.detection);
+    let feet = reuse(same_feet, |p| &p.feet, || Feet::of(&clip, &edits.clip, &body, edits.plants.detection));
+    let same_legs = same_feet.filter(|p| p.edits.plants.clean == edits.plants.clean);
+    let prepared = reuse(same_legs, |p| &p.prepared, || feet.prepared(&clip, edits.plants.clean));
+    let turning = reuse(same_legs, |p| &p.turning, || Feet::turning(&clip, &prepared));
 
     let before = before.filter(|p| p.edits.original == edits.original && p.edits.heading == edits.heading);
     let height = clip.facts.height.value;
@@ -83,34 +85,66 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         },
     );
 
-    let same_edit = same_timing.filter(|p| Arc::ptr_eq(&p.residuals, &residuals) || !walks);
-    let edited = reuse(
+    let holds = walks && edits.plants.hold && prepared.legs().len() > 0;
+    let same_edit = same_timing.filter(|p| {
+        (!walks || Arc::ptr_eq(&p.residuals, &residuals))
+            && p.holding.is_some() == holds
+            && (!holds || (Arc::ptr_eq(&p.prepared, &prepared) && p.edits.plants.ground == edits.plants.ground))
+    });
+    let (edited, holding) = match same_edit {
+        Some(p) => (Arc::clone(&p.edited), p.holding.clone()),
+        None => {
+            let carriage = Carriage {
+                clip: &clip,
+                residuals: &residuals,
+                original: &original,
+                progress: &progress,
+                new_path: &new_path,
+                timing: &timing,
+            };
+            if holds {
+                let (edited, holding) = carriage.held(&prepared, edits.plants.ground);
+                (Arc::new(edited), Some(Arc::new(holding)))
+            } else {
+                let edited = if walks { carriage.plain() } else { EditedClip::unedited(Arc::clone(&clip)) };
+                (Arc::new(edited), None)
+            }
+        }
+    };
+
+    let strains = reuse(
         same_edit,
-        |p| &p.edited,
+        |p| &p.strains,
         || {
-            if walks { along(&clip, &residuals, &timing) } else { EditedClip::unedited(Arc::clone(&clip)) }
+            let holding = holding.as_deref();
+            let asked = Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &prepared, holding };
+            if walks { asked.strains() } else { Vec::new() }
         },
     );
 
-    let measures = reuse(
-        same_edit,
-        |p| &p.measures,
-        || {
-            Measured {
+    let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
+    let (measures, foot_numbers) = match (same_edit, same_steps) {
+        (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
+        _ => {
+            let placed = body.placed(&edited, &turning);
+            let measured = Measured {
                 body: &body,
+                placed: &placed,
                 edited: &edited,
                 original: &original,
                 residuals: &residuals,
                 progress: &progress,
                 new_path: &new_path,
                 timing: &timing,
-            }
-            .measures()
-        },
-    );
-
-    let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
-    let foot_numbers = reuse(same_steps, |p| &p.foot_numbers, || feet.numbers(&clip, &body, &edited));
+            };
+            // The feet's numbers take half as long as the whole body's: a second core hides them.
+            thread::scope(|scope| {
+                let numbers = scope.spawn(|| Arc::new(feet.numbers(&clip, &body, &placed, &edited)));
+                let measures = reuse(same_edit, |p| &p.measures, || measured.measures());
+                (measures, numbers.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            })
+        }
+    };
 
     let mut warnings: Vec<_> = source.bvh.warnings().iter().map(ToString::to_string).collect();
     warnings.extend(clip.warnings.iter().cloned());
@@ -129,7 +163,11 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         progress,
         new_path,
         timing,
+        prepared,
+        turning,
         edited,
+        holding,
+        strains,
         measures,
         feet,
         foot_numbers,
@@ -157,18 +195,6 @@ fn timing_options(edits: &Edits) -> TimingOptions {
         Integrator::Euler => timing.step.clamp(*STEPS.start(), *STEPS.end()),
     };
     TimingOptions { arc_length: timing.arc_length, integrator: timing.integrator, step, cycling: timing.cycling }
-}
-
-/// Carries the clip along the path.
-fn along(clip: &Arc<Clip>, residuals: &Residuals, timing: &Timing) -> EditedClip {
-    let carrier_world =
-        timing.source_frames.iter().zip(&timing.frames).map(|(&f, at)| residuals.apply(f as usize, at)).collect();
-    EditedClip {
-        clip: Arc::clone(clip),
-        source_frames: timing.source_frames.clone(),
-        carrier_world,
-        turned: Vec::new(),
-    }
 }
 
 fn original_warnings(original: &OriginalPath) -> impl Iterator<Item = String> {

@@ -4,11 +4,12 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Edits, Feet};
+use super::{Cause, Edits, Feet, Holding, Strain};
 use crate::{
     bvh::Bvh,
+    constrain::{Missed, Prepared},
     math::Rigid,
-    measure::{Body, FootNumbers, Measures},
+    measure::{Body, FootNumbers, Measures, Turning},
     motion::{Clip, EditedClip, to_bvh},
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
@@ -49,8 +50,16 @@ pub struct Solved {
     pub new_path: Arc<NewPath>,
     /// Where each edited frame stands.
     pub timing: Arc<Timing>,
+    /// The legs that can be held, ready to be.
+    pub prepared: Arc<Prepared>,
+    /// The joints that holding turns, ready to be measured.
+    pub turning: Arc<Turning>,
     /// The edited clip.
     pub edited: Arc<EditedClip>,
+    /// What holding the feet did; none while they are not held.
+    pub holding: Option<Arc<Holding>>,
+    /// Where the edit asks more than a body can do.
+    pub strains: Arc<Vec<Strain>>,
     /// Quality numbers.
     pub measures: Arc<Measures>,
     /// Legs and foot plants of the source.
@@ -136,6 +145,78 @@ impl Solved {
     /// Returns the number of frames an export has: rest frames, then edited frames; 0 for a file without frames.
     pub fn n_exported_frames(&self) -> usize {
         if self.source.bvh.n_frames() == 0 { 0 } else { self.clip.rest_frames() + self.edited.n_frames() }
+    }
+
+    /// Says of every plant that could not be reached which it is and by how much, one line each. Frames are those of an
+    /// export, counted from 0.
+    pub fn missed_plants(&self) -> impl Iterator<Item = String> + '_ {
+        let missed = self.holding.iter().flat_map(|holding| &holding.missed);
+        missed.map(|missed| self.missed_plant(missed))
+    }
+
+    /// The same of one plant.
+    pub fn missed_plant(&self, missed: &Missed) -> String {
+        let rest = self.clip.rest_frames();
+        let facts = &self.clip.facts;
+        let side = self.prepared.legs().nth(missed.leg).expect("a leg that is held").side.name();
+        let [first, last, frame] = [missed.first, missed.last, missed.frame].map(|frame| frame + rest);
+        format!(
+            "the {side} foot cannot reach where it stands in frames {first} to {last}: {:.2} {} short at frame {frame} ({:.4} body heights)",
+            missed.by,
+            facts.unit_word(),
+            missed.by / facts.height.value,
+        )
+    }
+
+    /// Says what a strain is and by how much, in words.
+    pub fn strain(&self, strain: &Strain) -> String {
+        let facts = &self.clip.facts;
+        let (height, unit) = (facts.height.value, facts.unit_word());
+        let length = |l: f64| format!("{l:.2} {unit} ({:.2} body heights)", l / height);
+        match strain.cause {
+            Cause::Bend { radius, feasible, speed } => format!(
+                "the path bends with a radius of {}; walked at {speed:.2} {unit}/s it takes {feasible:.2} {unit}",
+                length(radius)
+            ),
+            Cause::Stride { leg, length: stride, longest } => format!(
+                "a stride of the {} foot is {} long; the clip's own longest is {longest:.2} {unit}",
+                leg.side.name(),
+                length(stride)
+            ),
+            Cause::Reach { missed } => {
+                let holding = self.holding.as_ref().expect("only held feet are out of reach");
+                self.missed_plant(&holding.missed[missed])
+            }
+        }
+    }
+
+    /// Says what is too much at an edited frame, one line each.
+    pub fn why(&self, edited_frame: usize) -> Vec<String> {
+        let here = self.strains.iter().filter(|strain| strain.frames.contains(&edited_frame));
+        here.map(|strain| self.strain(strain)).collect()
+    }
+
+    /// Returns the new path in pieces for drawing, `n` points over its whole length: what asks too much of a body, and
+    /// the rest. Neighbouring pieces share a point.
+    pub fn new_path_pieces(&self, n: usize) -> Vec<(Option<Cause>, Vec<DVec3>)> {
+        let points = self.new_path.polyline(n);
+        let spacing = self.new_path.length() / (n.max(2) - 1) as f64;
+        let mut asked: Vec<Option<Cause>> = vec![None; points.len() - 1];
+        for strain in self.strains.iter() {
+            let arc = |frame: usize| self.timing.arc_lengths[frame.min(self.timing.n_frames() - 1)];
+            let (from, to) = (arc(strain.frames.start), arc(strain.frames.end - 1));
+            let first = ((from / spacing).floor() as usize).min(asked.len() - 1);
+            let last = ((to / spacing).ceil() as usize).clamp(first + 1, asked.len());
+            asked[first..last].fill(Some(strain.cause));
+        }
+        let mut pieces: Vec<(Option<Cause>, Vec<DVec3>)> = Vec::new();
+        for (pair, cause) in points.windows(2).zip(asked) {
+            match pieces.last_mut() {
+                Some((last, piece)) if *last == cause => piece.push(pair[1]),
+                _ => pieces.push((cause, pair.to_vec())),
+            }
+        }
+        pieces
     }
 
     /// Returns the edited clip as a BVH file.

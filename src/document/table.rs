@@ -11,6 +11,7 @@ use super::{
     parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, as_vector, vector, word},
 };
 use crate::{
+    constrain::Ground,
     motion::{OffsetMeaning, UpAxis},
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
@@ -48,6 +49,7 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, SetError> {
 }
 
 const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain)];
+const GROUNDS: &[(&str, Ground)] = &[("steps", Ground::Steps), ("ramp", Ground::Ramp)];
 const FRAMES: &[(&str, ResidualFrame)] =
     &[("heading", ResidualFrame::Heading), ("tangent", ResidualFrame::Tangent), ("absolute", ResidualFrame::Absolute)];
 const INTEGRATORS: &[(&str, Integrator)] = &[("gauss", Integrator::Gauss), ("euler", Integrator::Euler)];
@@ -152,7 +154,7 @@ macro_rules! camera_rows {
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
 
-const EDITS: [Parameter; 21] = [
+const EDITS: [Parameter; 24] = [
     Parameter {
         name: "clip.carrier",
         kind: Kind::Joint,
@@ -309,28 +311,52 @@ const EDITS: [Parameter; 21] = [
         set: |e, v| e.timing.speed = float(v),
     },
     Parameter {
+        name: "plants.hold",
+        kind: Kind::Switch,
+        unit: "",
+        doc: "Planted feet stay where they stand on the new path.",
+        get: |e| Value::Boolean(e.plants.hold),
+        set: |e, v| e.plants.hold = switch(v),
+    },
+    Parameter {
+        name: "plants.clean",
+        kind: Kind::Switch,
+        unit: "",
+        doc: "Planted feet stand wholly still: their own slide is removed too.",
+        get: |e| Value::Boolean(e.plants.clean),
+        set: |e, v| e.plants.clean = switch(v),
+    },
+    Parameter {
+        name: "plants.ground",
+        kind: Kind::Choice(&["steps", "ramp"]),
+        unit: "",
+        doc: "On a path that climbs: feet level as on stairs, or tilted with the slope.",
+        get: |e| word_of(GROUNDS, &e.plants.ground),
+        set: |e, v| e.plants.ground = choice_of(GROUNDS, v),
+    },
+    Parameter {
         name: "plants.speed",
         kind: Kind::Real { min: 0.0, max: 3.0, step: Step::Add(0.01) },
         unit: "body heights a second",
         doc: "Slower than this, and low, a foot stands.",
-        get: |e| Value::Float(e.plants.speed),
-        set: |e, v| e.plants.speed = float(v),
+        get: |e| Value::Float(e.plants.detection.speed),
+        set: |e, v| e.plants.detection.speed = float(v),
     },
     Parameter {
         name: "plants.speed_share",
         kind: Kind::Real { min: 0.0, max: 1.0, step: Step::Add(0.01) },
         unit: "of the carrier's speed",
         doc: "The same as a share of the carrier's speed, whichever is more.",
-        get: |e| Value::Float(e.plants.speed_share),
-        set: |e, v| e.plants.speed_share = float(v),
+        get: |e| Value::Float(e.plants.detection.speed_share),
+        set: |e, v| e.plants.detection.speed_share = float(v),
     },
     Parameter {
         name: "plants.height",
         kind: Kind::Real { min: 0.0, max: 0.5, step: Step::Add(0.01) },
         unit: "body heights",
         doc: "Lower than this above its floor, and slow, a foot stands.",
-        get: |e| Value::Float(e.plants.height),
-        set: |e, v| e.plants.height = float(v),
+        get: |e| Value::Float(e.plants.detection.height),
+        set: |e, v| e.plants.detection.height = float(v),
     },
 ];
 

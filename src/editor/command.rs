@@ -110,6 +110,14 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Play, "frame.previous", &[","], "One frame back.", has_motion, |e, _| step_frame(e, -1)),
     row(Group::Play, "frame.start", &["<home>", "0"], "Jump to the start.", has_motion, |e, _| jump(e, 0)),
     row(Group::Play, "frame.end", &["<end>", "$"], "Jump to the end.", has_motion, |e, _| jump(e, usize::MAX)),
+    row(
+        Group::Play,
+        "why",
+        &["W"],
+        "What is too much to ask of the body at this frame, or the next one.",
+        path_editable,
+        |e, _| why(e),
+    ),
     row(Group::Play, "speed.down", &["<lt>"], "Play slower.", always, |e, c| {
         step_value(e, c, "timing.speed", -1, false)
     }),
@@ -289,6 +297,29 @@ pub const COMMANDS: &[Command] = &[
         if e.document.is_modified() { ask(e, Asking::Quit, "") } else { Effect::Quit }
     }),
 ];
+
+/// Says what is too much at the playhead; where nothing is, goes to the next frame at which something begins.
+fn why(editor: &mut Editor) -> Effect {
+    let solved = std::sync::Arc::clone(editor.document.solved());
+    let here = editor.view.frame_idx;
+    let reasons = solved.why(here);
+    if !reasons.is_empty() {
+        editor.say(Message::note(reasons.join("; ")));
+        return Effect::None;
+    }
+    let begins = || solved.strains.iter().map(|strain| strain.frames.start);
+    match begins().filter(|&first| first > here).min().or_else(|| begins().min()) {
+        None => {
+            editor.say(Message::note("nothing is too much: bends, strides and reach are what a body can do".to_owned()))
+        }
+        Some(next) => {
+            jump(editor, next);
+            let frame = next + solved.clip.rest_frames();
+            editor.say(Message::note(format!("frame {frame}: {}", solved.why(next).join("; "))));
+        }
+    }
+    Effect::None
+}
 
 fn jump(editor: &mut Editor, frame_idx: usize) -> Effect {
     let last = editor.document.solved().edited.n_frames().saturating_sub(1);

@@ -117,7 +117,14 @@ impl Editor {
 
     /// Returns the picture of this moment.
     pub fn scene(&self) -> Scene {
-        picture::scene(&self.document, &self.view, Arc::clone(self.stills.still()))
+        let mut scene = picture::scene(&self.document, &self.view, Arc::clone(self.stills.still()));
+        // Keys may come from the window, so what they ask or say is seen there too.
+        if let Some(prompt) = &self.prompt {
+            scene.now.caption = format!("{} {}_", prompt.title(), prompt.text);
+        } else if let Some(message) = &self.view.message {
+            scene.now.caption = format!("{}  {}", scene.now.caption, message.text);
+        }
+        scene
     }
 
     /// Returns the keys that work now, or after the keys already pressed of a sequence.

@@ -255,6 +255,14 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
             "How far the foot slips in nine plants of ten, source → edited; body heights.".to_owned(),
         ));
     }
+    rows.extend(solved.strains.iter().map(|strain| {
+        let rest = solved.clip.rest_frames();
+        fact(
+            &format!("{} is too much", strain.cause.word()),
+            format!("{} to {}", strain.frames.start + rest, strain.frames.end - 1 + rest),
+            sentence(&solved.strain(strain)),
+        )
+    }));
     rows.extend(measures.seam.iter().map(|seam| {
         fact(
             &format!("seam at {}", seam.frame),

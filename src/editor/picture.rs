@@ -72,12 +72,23 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
     let up = solved.clip.facts.up.value;
     let controls: Vec<DVec3> = solved.control_points().into_iter().map(|p| up.to_world(p)).collect();
     let mut curves = Vec::new();
+    let mut strains = Vec::new();
     let mut curve = |role, stroke, points: Vec<DVec3>| curves.push(Curve { role, stroke, points });
     if show.original_path {
         curve(Role::OriginalPath, Stroke::Dashed, solved.original_polyline(CURVE_POINTS));
     }
     if show.new_path {
-        curve(Role::NewPath, Stroke::Solid, solved.new_path_polyline(CURVE_POINTS));
+        // Told apart without colour too: what asks too much is dashed.
+        for (cause, points) in solved.new_path_pieces(CURVE_POINTS) {
+            match cause {
+                None => curve(Role::NewPath, Stroke::Solid, points),
+                Some(cause) => {
+                    let middle = points[points.len() / 2];
+                    strains.push((middle, cause.word()));
+                    curve(Role::Strain, Stroke::Dashed, points);
+                }
+            }
+        }
     }
     if show.control_points {
         curve(Role::ControlPoint, Stroke::Dashed, controls.clone());
@@ -98,8 +109,11 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
         at: at + DVec3::Y * 2.0 * POINT_RADIUS * height,
         text: (idx + 1).to_string(),
     };
-    let labels =
+    let mut labels: Vec<Label> =
         if show.control_points && show.labels { controls.iter().enumerate().map(label).collect() } else { Vec::new() };
+    if show.labels {
+        labels.extend(strains.into_iter().map(|(at, word)| Label { role: Role::Strain, at, text: word.to_owned() }));
+    }
     Still {
         revision,
         body_height: height,
@@ -211,7 +225,7 @@ fn caption(solved: &Solved, view: &ViewState) -> String {
         "{}  frame {} of {}  {:.2} s  {}",
         solved.source.name,
         view.rest_frame.unwrap_or(view.frame_idx + rest),
-        solved.edited.n_frames() + rest,
+        solved.edited.n_frames() + rest - 1,
         view.frame_idx as f64 * solved.clip.frame_time_secs,
         if view.playing { "playing" } else { "paused" },
     )

@@ -3,15 +3,18 @@
 //! Those of feet need plants and are taken apart ([`FootMeasure`]).
 //!
 //! What costs most is looking at every joint of every frame. That is done once for the source ([`Body`], kept with
-//! the clip) and once for each result, from the body as its carrier sees it: an edit only moves the carrier.
+//! the clip) and once for each result, from where the source's points are: an edit moves them in few rigid pieces
+//! ([`Placed`]).
 
 mod feet;
+mod placed;
 mod seam;
 mod sweep;
 
 use glam::DVec3;
 
 pub use feet::{FootMeasure, FootNumbers, FootTracks};
+pub use placed::{Placed, Turning};
 pub use seam::Seam;
 pub use sweep::Body;
 
@@ -57,6 +60,8 @@ pub struct Measures {
 pub struct Measured<'a> {
     /// The clip's body.
     pub body: &'a Body,
+    /// The same where the edit has it.
+    pub placed: &'a Placed<'a>,
     /// The edited clip.
     pub edited: &'a EditedClip,
     /// The path fitted to the clip.
@@ -78,7 +83,8 @@ impl Measured<'_> {
         let carriers = &self.edited.carrier_world;
         let source = self.body.source();
         // Without an edit the frames are the source's, and so are the numbers.
-        let sweep = if carriers.is_empty() { source } else { self.body.sweep(carriers, &self.edited.source_frames) };
+        let is_source = carriers.is_empty() && self.edited.turned.is_empty();
+        let sweep = if is_source { source } else { self.body.sweep(self.placed) };
         let jerk_ratio = match (sweep.mean_jerk, source.mean_jerk) {
             (Some(edited), Some(source)) if source > LEAST_JERK * height => Some(edited / source),
             _ => None,

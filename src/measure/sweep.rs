@@ -1,8 +1,8 @@
 //! One look at every joint of every frame: how jerky they move and how tall the body is.
 //!
-//! An edit moves the carrier's subtree of each frame as one rigid body away from where it is in the source. Frames are
-//! taken in stretches short enough to stay in the nearest cache. For a stretch those moves are spread into arrays, and
-//! each point runs through them several frames at a time:
+//! An edit moves the body in pieces, each rigid ([`Placed`]). Frames are taken in stretches short enough to stay in the
+//! nearest cache. For a stretch the moves of a piece are spread into arrays, and each of its points runs through them
+//! several frames at a time:
 //!
 //! ```text
 //! point p of stretch:  source x y z ──move──▶ edited x y z ──third difference──▶ sum of norms
@@ -15,6 +15,7 @@
 use glam::DMat3;
 use wide::f64x4;
 
+use super::placed::{Piece, Placed};
 use crate::{
     math::Rigid,
     motion::{Clip, PointTracks},
@@ -26,10 +27,6 @@ const STRETCH: usize = 256;
 const SPAN: usize = 3;
 /// Frames handled at once.
 const LANES: usize = 4;
-/// A move is upright when x and z of its quaternion are below this: then no joint is off by more than 1e-10 body
-/// heights.
-const UPRIGHT: f64 = 1e-11;
-
 /// One value per frame of a stretch.
 type Column = [f64; STRETCH];
 
@@ -37,12 +34,12 @@ type Column = [f64; STRETCH];
 #[derive(Clone, Debug)]
 pub struct Body {
     /// World positions of all points in the source.
-    tracks: PointTracks,
+    pub(super) tracks: PointTracks,
     /// Whether each point goes where the carrier goes.
-    follows: Vec<bool>,
+    pub(super) follows: Vec<bool>,
     n_joints: usize,
     /// What takes the carrier of each frame to the origin.
-    to_origin: Vec<Rigid>,
+    pub(super) to_origin: Vec<Rigid>,
     /// Highest minus lowest point of each frame.
     heights: Vec<f64>,
     source: Sweep,
@@ -63,20 +60,6 @@ impl Body {
         &self.tracks
     }
 
-    /// Returns the world positions of some points where the carrier of each frame has been moved to; without carriers
-    /// the source's.
-    pub fn moved(&self, points: &[usize], carriers: &[Rigid], source_frames: &[u32]) -> PointTracks {
-        let moves: Vec<Rigid> =
-            carriers.iter().zip(source_frames).map(|(&to, &f)| to * self.to_origin[f as usize]).collect();
-        PointTracks::from_fn(points.len(), source_frames.len(), |idx, frame| {
-            let at = self.tracks.position(points[idx], source_frames[frame] as usize);
-            match moves.get(frame) {
-                Some(to) if self.follows[points[idx]] => to.point(at),
-                _ => at,
-            }
-        })
-    }
-
     /// Prepares a clip; one pass over all its frames. `carriers` is the clip's own carrier track.
     pub fn of(clip: &Clip, carriers: &[Rigid]) -> Self {
         let skeleton = &clip.skeleton;
@@ -92,9 +75,13 @@ impl Body {
             source: Sweep { mean_jerk: None, height: 0.0 },
         };
         let frames: Vec<u32> = (0..carriers.len() as u32).collect();
-        let moves = vec![Rigid::IDENTITY; carriers.len()];
+        let placed = Placed {
+            source_frames: &frames,
+            piece_of: vec![Some(0); body.follows.len()],
+            pieces: vec![Piece::new(vec![Rigid::IDENTITY; frames.len()])],
+        };
         let mut heights = Vec::with_capacity(frames.len());
-        let jerk_sum = body.look(&Moves { moves: &moves, upright: true }, &frames, Some(&mut heights));
+        let jerk_sum = body.look(&placed, Some(&mut heights));
         body.source = Sweep { mean_jerk: body.mean_jerk(jerk_sum, frames.len()), height: median(&mut heights.clone()) };
         body.heights = heights;
         body
@@ -105,18 +92,24 @@ impl Body {
         self.source
     }
 
-    /// Looks at all frames of the clip with its carrier elsewhere: frame `i` shows the clip's frame `frames[i]`.
-    pub fn sweep(&self, carriers: &[Rigid], frames: &[u32]) -> Sweep {
-        let moves: Vec<Rigid> = carriers.iter().zip(frames).map(|(&c, &f)| c * self.to_origin[f as usize]).collect();
-        let upright = moves.iter().all(|m| m.rotation.x.abs().max(m.rotation.z.abs()) < UPRIGHT);
-        let keeps_heights = upright && self.follows.iter().all(|&follows| follows);
-        let moves = Moves { moves: &moves, upright };
-        let mut heights = Vec::with_capacity(frames.len());
-        let jerk_sum = self.look(&moves, frames, (!keeps_heights).then_some(&mut heights));
-        if keeps_heights {
-            heights.extend(frames.iter().map(|&f| self.heights[f as usize]));
+    /// Looks at all frames of an edit of the clip.
+    pub fn sweep(&self, placed: &Placed) -> Sweep {
+        let frames = placed.source_frames;
+        let [whole] = &placed.pieces[..] else { return self.sweep_anew(placed) };
+        if !whole.upright || !self.follows.iter().all(|&follows| follows) {
+            return self.sweep_anew(placed);
         }
+        let jerk_sum = self.look(placed, None);
+        let mut heights: Vec<f64> = frames.iter().map(|&f| self.heights[f as usize]).collect();
         Sweep { mean_jerk: self.mean_jerk(jerk_sum, frames.len()), height: median(&mut heights) }
+    }
+
+    /// The same where heights are not the source's.
+    fn sweep_anew(&self, placed: &Placed) -> Sweep {
+        let n = placed.source_frames.len();
+        let mut heights = Vec::with_capacity(n);
+        let jerk_sum = self.look(placed, Some(&mut heights));
+        Sweep { mean_jerk: self.mean_jerk(jerk_sum, n), height: median(&mut heights) }
     }
 
     fn mean_jerk(&self, sum: f64, n_frames: usize) -> Option<f64> {
@@ -125,20 +118,30 @@ impl Body {
     }
 
     /// Returns the sum of third differences over joints and frames; notes the height of each frame if asked to.
-    fn look(&self, moves: &Moves, frames: &[u32], mut heights: Option<&mut Vec<f64>>) -> f64 {
-        let n = frames.len();
+    fn look(&self, placed: &Placed, mut heights: Option<&mut Vec<f64>>) -> f64 {
+        let n = placed.source_frames.len();
+        // Points of one piece follow one another, so that its moves are spread once for all of them.
+        let mut points: Vec<usize> = (0..self.follows.len()).collect();
+        points.sort_by_key(|&point| placed.piece_of[point]);
         let mut sum = 0.0;
         let mut stretch = Stretch::new();
         let mut from = 0;
         while from < n {
             let end = (from + STRETCH).min(n);
-            stretch.begin(moves, from..end, frames);
-            for (point, &follows) in self.follows.iter().enumerate() {
+            stretch.begin(&placed.source_frames[from..end]);
+            let mut piece = None;
+            for &point in &points {
                 let is_joint = point < self.n_joints;
                 if !is_joint && heights.is_none() {
                     continue;
                 }
-                stretch.place([self.tracks.x(point), self.tracks.y(point), self.tracks.z(point)], follows);
+                if placed.piece_of[point] != piece {
+                    piece = placed.piece_of[point];
+                    if let Some(piece) = piece {
+                        stretch.spread(&placed.pieces[piece], from..end);
+                    }
+                }
+                stretch.place([self.tracks.x(point), self.tracks.y(point), self.tracks.z(point)], piece.is_some());
                 if is_joint {
                     sum += jerk_sum(&stretch.world, end - from);
                 }
@@ -155,14 +158,6 @@ impl Body {
         }
         sum
     }
-}
-
-/// Where the body of each edited frame goes from where it is in the source.
-#[derive(Clone, Copy, Debug)]
-struct Moves<'a> {
-    moves: &'a [Rigid],
-    /// All of them are turns about up and shifts.
-    upright: bool,
 }
 
 /// A stretch of frames and what one point does in it.
@@ -194,14 +189,18 @@ impl<'a> Stretch<'a> {
         }
     }
 
-    fn begin(&mut self, moves: &Moves, range: std::ops::Range<usize>, frames: &'a [u32]) {
-        self.frames = &frames[range.clone()];
-        self.in_place = self.frames.windows(2).all(|w| w[1] == w[0] + 1);
-        self.upright = moves.upright;
+    fn begin(&mut self, frames: &'a [u32]) {
+        self.frames = frames;
+        self.in_place = frames.windows(2).all(|w| w[1] == w[0] + 1);
         self.low.fill(f64::INFINITY);
         self.high.fill(f64::NEG_INFINITY);
-        for (i, by) in moves.moves[range].iter().enumerate() {
-            if moves.upright {
+    }
+
+    /// Spreads the moves of a piece into columns.
+    fn spread(&mut self, piece: &Piece, range: std::ops::Range<usize>) {
+        self.upright = piece.upright;
+        for (i, by) in piece.moves[range].iter().enumerate() {
+            if piece.upright {
                 let (y, w) = (by.rotation.y, by.rotation.w);
                 (self.motion[COS][i], self.motion[SIN][i]) = (w * w - y * y, 2.0 * w * y);
             } else {
@@ -320,8 +319,13 @@ fn median(values: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{bvh::Bvh, motion::ClipOptions};
+    use crate::{
+        bvh::Bvh,
+        measure::Turning,
+        motion::{ClipOptions, EditedClip, TurnedJoint},
+    };
     use glam::{DQuat, DVec3};
+    use std::sync::Arc;
 
     /// A root that stays, a carrier below it and an arm with an end site.
     fn clip(n_frames: usize) -> Clip {
@@ -340,13 +344,8 @@ mod tests {
     }
 
     /// The same numbers by the plainest means.
-    fn plainly(clip: &Clip, carriers: &[Rigid], frames: &[u32]) -> (f64, f64) {
-        let edited = crate::motion::EditedClip {
-            clip: std::sync::Arc::new(clip.clone()),
-            source_frames: frames.to_vec(),
-            carrier_world: carriers.to_vec(),
-            turned: Vec::new(),
-        };
+    fn plainly(clip: &Clip, edited: &EditedClip) -> (f64, f64) {
+        let frames = &edited.source_frames;
         let worlds: Vec<Vec<DVec3>> = (0..frames.len())
             .map(|f| {
                 let mut points = Vec::new();
@@ -384,9 +383,9 @@ mod tests {
     fn the_sweep_is_what_plain_kinematics_says() {
         // Around the length of a stretch, where the pieces are joined.
         for n in [4, 7, 255, 256, 257, 259, 260, 509, 512, 700] {
-            let clip = clip(n);
+            let clip = Arc::new(clip(n));
             let body = Body::of(&clip, &clip.carrier_track());
-            let (jerk, height) = plainly(&clip, &clip.carrier_track(), &(0..n as u32).collect::<Vec<_>>());
+            let (jerk, height) = plainly(&clip, &EditedClip::unedited(clip.clone()));
             assert!((body.source().mean_jerk.expect("four frames") / jerk - 1.0).abs() < 1e-9, "{n} frames");
             assert!((body.source().height - height).abs() < 1e-12);
             assert!((body.source().height - clip.facts.height.value).abs() < 1e-12);
@@ -398,9 +397,23 @@ mod tests {
                 let turn = Rigid::new(DQuat::from_rotation_y(c.translation.x), c.translation);
                 turn * clip.carrier_world(f as usize)
             });
-            for carriers in [carriers.clone(), turned.collect()] {
-                let sweep = body.sweep(&carriers, &frames);
-                let (jerk, height) = plainly(&clip, &carriers, &frames);
+            let arm = clip.skeleton.find("Arm").expect("a joint");
+            let bent = TurnedJoint { joint: arm, rotations: carriers.iter().map(|c| c.rotation).collect() };
+            let turning = Turning::of(&clip, [arm]);
+            for (carrier_world, bent) in [
+                (carriers.clone(), None),
+                (turned.collect(), None),
+                (carriers, Some(bent.clone())),
+                (Vec::new(), Some(bent)),
+            ] {
+                let edited = EditedClip {
+                    clip: Arc::clone(&clip),
+                    source_frames: frames.clone(),
+                    carrier_world,
+                    turned: bent.into_iter().collect(),
+                };
+                let sweep = body.sweep(&body.placed(&edited, &turning));
+                let (jerk, height) = plainly(&clip, &edited);
                 assert!((sweep.mean_jerk.expect("four frames") / jerk - 1.0).abs() < 1e-9, "{n} frames");
                 assert!((sweep.height - height).abs() < 1e-12);
             }

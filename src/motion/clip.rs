@@ -12,7 +12,10 @@ use super::{
     poses::Poses,
     tracks::PointTracks,
 };
-use crate::{math::Rigid, skeleton::Skeleton};
+use crate::{
+    math::Rigid,
+    skeleton::{JointId, Skeleton},
+};
 
 /// A skeleton and its poses, y-up, in the clip's length unit, at least one frame, without NaN.
 #[derive(Clone, Debug)]
@@ -98,8 +101,12 @@ impl Clip {
 
     /// Returns where the carrier is at every frame, in the world.
     pub fn carrier_track(&self) -> Vec<Rigid> {
-        let file_frames = self.rest_frames()..self.n_file_frames();
-        Walk::chain(&self.skeleton, self.facts.carrier.value).last_rigids(&self.poses, file_frames)
+        self.joint_track(self.facts.carrier.value)
+    }
+
+    /// Returns where a joint is at every frame, in the world.
+    pub fn joint_track(&self, joint: JointId) -> Vec<Rigid> {
+        Walk::chain(&self.skeleton, joint).last_rigids(&self.poses, self.rest_frames()..self.n_file_frames())
     }
 
     /// Calls `visit` with the world positions of all points, one stretch of frames after the other, in order.

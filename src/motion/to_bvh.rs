@@ -9,7 +9,8 @@ use std::ops::Range;
 use glam::{DQuat, DVec3};
 
 use super::{
-    Clip, EditedClip, OffsetMeaning, UpAxis, carrier_relative, channels::JointChannels, euler::nearest_degrees,
+    Clip, EditedClip, OffsetMeaning, TurnedJoint, UpAxis, carrier_relative, channels::JointChannels,
+    euler::nearest_degrees,
 };
 use crate::{
     bvh::{Bvh, Digits, RowEdit},
@@ -38,7 +39,7 @@ pub fn to_bvh(bvh: &Bvh, edited: &EditedClip) -> Vec<u8> {
     let mut changes: Vec<(usize, f64)> = Vec::new();
     let mut rows: Vec<(usize, Range<usize>)> = (0..clip.rest_frames()).map(|row| (row, 0..0)).collect();
     let is_edited = !edited.carrier_world.is_empty() || !edited.turned.is_empty();
-    let digits = if is_edited { digits(clip) } else { Digits { position_decimals: 6, rotation_decimals: 6 } };
+    let digits = if is_edited { digits(edited) } else { Digits { position_decimals: 6, rotation_decimals: 6 } };
     let mut carrier = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip, digits));
     let mut turned: Vec<_> =
         edited.turned.iter().map(|t| (RotationWriter::new(bvh, clip, t.joint, digits), &t.rotations)).collect();
@@ -146,8 +147,10 @@ impl<'a> RotationWriter<'a> {
 /// Returns how many decimals keep every joint within [`ACCURACY`].
 ///
 /// A third of it is for positions and a third for rotations; a channel that keeps its source characters because it
-/// changed by less than half a digit is off as much as one that is rounded, so it is within the same bounds.
-fn digits(clip: &Clip) -> Digits {
+/// changed by less than half a digit is off as much as one that is rounded, so it is within the same bounds. Joints that
+/// turn above one another add up.
+fn digits(edited: &EditedClip) -> Digits {
+    let clip = &*edited.clip;
     let share = ACCURACY * clip.facts.height.value / 3.0;
     let relative = carrier_relative(clip).tracks;
     let reach = (0..relative.n_points())
@@ -157,8 +160,17 @@ fn digits(clip: &Clip) -> Digits {
         .sqrt();
     // The three axes together are off by √3 times half a digit, the three angles by 3 times half a digit at most.
     let position = share / (3f64.sqrt() / 2.0);
-    let rotation = (share / reach.max(share) / 1.5).to_degrees();
+    let rotation = (share / reach.max(share) / 1.5 / longest_turned_chain(edited) as f64).to_degrees();
     Digits { position_decimals: decimals(position), rotation_decimals: decimals(rotation) }
+}
+
+/// Returns how many written joints lie on the way from the carrier to any joint, the carrier counted.
+fn longest_turned_chain(edited: &EditedClip) -> usize {
+    let skeleton = &edited.clip.skeleton;
+    let above = |turned: &TurnedJoint| {
+        edited.turned.iter().filter(|other| skeleton.is_within(turned.joint, other.joint)).count()
+    };
+    1 + edited.turned.iter().map(above).max().unwrap_or(0)
 }
 
 /// Returns the decimals whose last digit is worth no more than `size`.

@@ -24,6 +24,8 @@ pub enum Role {
     OriginalPath,
     /// The path the user draws.
     NewPath,
+    /// A stretch of the new path that asks too much of a body.
+    Strain,
     /// A control point of the new path, and the polygon through them.
     ControlPoint,
     /// The control point that keys act on.
@@ -47,6 +49,7 @@ impl Role {
             Self::OriginalSkeleton => [214, 69, 65],
             Self::NewSkeleton => [72, 187, 98],
             Self::OriginalPath | Self::NewPath => [240, 240, 240],
+            Self::Strain => [240, 150, 50],
             Self::ControlPoint => [155, 89, 214],
             Self::SelectedControlPoint => [255, 120, 200],
             Self::OriginalTracker => [236, 145, 120],

@@ -137,6 +137,7 @@ fn role_of_16(role: Role) -> Color {
         Role::SelectedControlPoint => Color::LightMagenta,
         Role::OriginalTracker => Color::LightRed,
         Role::NewTracker => Color::LightGreen,
+        Role::Strain => Color::LightYellow,
         Role::Trace => Color::Yellow,
         Role::Footprint => Color::LightBlue,
         Role::Ground => Color::DarkGray,
@@ -195,11 +196,12 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 mod tests {
     use super::*;
 
-    const ROLES: [Role; 11] = [
+    const ROLES: [Role; 12] = [
         Role::OriginalSkeleton,
         Role::NewSkeleton,
         Role::OriginalPath,
         Role::NewPath,
+        Role::Strain,
         Role::ControlPoint,
         Role::SelectedControlPoint,
         Role::OriginalTracker,

@@ -21,12 +21,13 @@ use ratatui::{
 
 use super::{
     Chart, Direction, Extent, KeyGroup, KeyHelp, Palette, ParameterList, ParameterRow, PictureView, PlanView, Series,
-    StatusLine, Tabs, Timeline, TimelineRow, text,
+    StatusLine, Tabs, Timeline, TimelineRow,
+    score::{self, side},
+    text,
 };
 use crate::{
-    contact::{FootPlants, Plant},
+    contact::Plant,
     editor::{Editor, Hint, Severity, TABS, Tab},
-    motion::Side,
     scene::{Picture, Scene},
 };
 
@@ -230,7 +231,6 @@ fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) 
         let column = (text::width(&title) + 1 + text::width(&before)) as u16;
         return (column < area.width && area.height > 0).then_some(Position::new(area.x + column, area.y));
     }
-    let right = state_line(editor);
     match &view.message {
         Some(message) => {
             let (sign, style) = match message.severity {
@@ -242,44 +242,11 @@ fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) 
             StatusLine { left: &format!("{sign}{}", message.text), right: "", style }.render(area, buf);
         }
         None => {
-            StatusLine { left: &score(editor), right: &right, style: palette.text() }.render(area, buf);
+            let (left, right) = score::fitting(editor, usize::from(area.width));
+            StatusLine { left: &left, right: &right, style: palette.text() }.render(area, buf);
         }
     }
     None
-}
-
-/// How fast the feet move while they stand, source → edited, or the smoothness of a clip without feet.
-fn score(editor: &Editor) -> String {
-    let solved = editor.document().solved();
-    let feet = solved.feet.plants.iter().zip(solved.foot_numbers.iter());
-    let speeds: String = feet
-        .filter_map(|(foot, numbers)| Some((foot, numbers.planted_speed?)))
-        .map(|(foot, speed)| format!("{} {:.2}→{:.2} ", side(foot), speed.source, speed.edited))
-        .collect();
-    if speeds.is_empty() {
-        let jerk = solved.measures.jerk_ratio.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}"));
-        return format!("jerk ratio {jerk}");
-    }
-    format!("feet {speeds}H/s")
-}
-
-fn side(foot: &FootPlants) -> &'static str {
-    if foot.leg.side == Side::Left { "L" } else { "R" }
-}
-
-fn state_line(editor: &Editor) -> String {
-    let view = editor.view();
-    let solved = editor.document().solved();
-    let pending: String = editor.pending().iter().map(ToString::to_string).collect();
-    let rest = solved.clip.rest_frames();
-    format!(
-        "{pending}  point {}  camera {}  frame {}/{}  {}",
-        view.point_idx + 1,
-        view.camera_idx + 1,
-        view.frame_idx + rest,
-        solved.edited.n_frames() + rest,
-        if view.playing { "▶ playing" } else { "‖ paused" },
-    )
 }
 
 fn draw_hints(buf: &mut Buffer, area: Rect, hints: &[Hint], scroll: usize, palette: Palette) {

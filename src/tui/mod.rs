@@ -16,7 +16,8 @@ pub mod key_help;
 pub mod parameters;
 pub mod picture;
 pub mod plan;
-pub mod screen;
+pub mod score;
+mod screen;
 pub mod status;
 pub mod terminal;
 #[cfg(test)]

@@ -314,12 +314,13 @@ fn rank(role: Role) -> u8 {
         Role::Footprint => 2,
         Role::OriginalPath => 3,
         Role::NewPath => 4,
-        Role::ControlPoint => 5,
-        Role::OriginalSkeleton => 6,
-        Role::NewSkeleton => 7,
-        Role::OriginalTracker => 8,
-        Role::NewTracker => 9,
-        Role::SelectedControlPoint => 10,
+        Role::Strain => 5,
+        Role::ControlPoint => 6,
+        Role::OriginalSkeleton => 7,
+        Role::NewSkeleton => 8,
+        Role::OriginalTracker => 9,
+        Role::NewTracker => 10,
+        Role::SelectedControlPoint => 11,
     }
 }
 

@@ -151,7 +151,7 @@ fn is_cube(role: Role) -> bool {
 /// Width of a curve relative to the picture's line width.
 fn width(role: Role) -> f32 {
     match role {
-        Role::NewPath => 1.0,
+        Role::NewPath | Role::Strain => 1.0,
         Role::OriginalPath => 0.85,
         Role::Footprint => 0.7,
         _ => 0.55,

@@ -132,8 +132,13 @@ fn everything_stands_in_its_place() {
     assert_eq!(start[18], "frame 0 of 569   0.00 s of 9.48 s");
     assert_eq!(start[19], format!("  ┃{}", "─".repeat(77)));
     assert!(start[20].starts_with("L ▄") && start[21].starts_with("R ▄"), "{} {}", start[20], start[21]);
-    assert!(start[22].starts_with("feet L 0."), "{}", start[22]);
-    assert!(start[22].ends_with("  point 1  camera 1  frame 0/570  ‖ paused"), "{}", start[22]);
+    assert!(start[22].starts_with("L 0.") && start[22].contains(" H/s · slip L 0."), "{}", start[22]);
+    assert!(start[22].ends_with(" H    ‖ paused"), "{}", start[22]);
+    let wide = screen("", (120, 40));
+    assert!(wide[38].starts_with("feet L 0."), "{}", wide[38]);
+    assert!(wide[38].ends_with("  point 1  camera 1  frame 0/569  ‖ paused"), "{}", wide[38]);
+    let wider = screen("", (180, 40));
+    assert!(wider[38].contains(" cm/s · slip L 0."), "{}", wider[38]);
     assert!(start[23].starts_with("? keys  space play  tab panel "), "{}", start[23]);
     assert!(screen("x", (80, 24))[0].starts_with("walkabout · built-in walk · unsaved "));
 }

@@ -24,6 +24,7 @@ cargo xtask TASK
   run [--yes] [--debug] [ARGS...]   install what is missing, build, and start walkabout with ARGS
   test [--yes]                      install what is missing, then run every check
   bench [NAME...]                   run the benchmarks, all or those named
+  report                            write docs/feet.md and its plot: what holding the feet does on captured clips
   bless [TEST...]                   write the golden files of these tests anew (all, where none is named)
   setup [--yes]                     install what running and testing need, and nothing else
 
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         "run" => run::run(args),
         "test" => test::test(args),
         "bench" => bench::bench(args),
+        "report" => bench::report(),
         "bless" => bless::bless(args),
         "setup" => setup::setup(args),
         "help" | "--help" | "-h" => {

@@ -56,6 +56,13 @@ pub struct Facts {
     pub floor: f64,
 }
 
+impl Facts {
+    /// Returns the word that stands behind a length in the clip's unit: the unit's, where its guess is a plain one.
+    pub fn unit_word(&self) -> &'static str {
+        self.unit.value.filter(|unit| !unit.contains(' ')).unwrap_or("units")
+    }
+}
+
 /// Decides everything and returns the poses read that way, still in the file's axes.
 pub(super) fn decide(motion: &FileMotion, options: &ClipOptions, warnings: &mut Vec<String>) -> (Facts, Poses) {
     let asked_carrier = options.carrier.as_ref().and_then(|name| carrier::named(&motion.skeleton, name, warnings));

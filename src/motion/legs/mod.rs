@@ -24,6 +24,16 @@ pub enum Side {
     Right,
 }
 
+impl Side {
+    /// Returns `left` or `right`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+}
+
 /// A leg: the joints at which it bends, each below the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Leg {

@@ -1,0 +1,109 @@
+//! The stage that carries the clip along the path and holds its feet.
+//!
+//! Feet are held over whole cycles on a path carried on along its end, and only then is the result cut where the path
+//! ends: so a path's length does not move a foot (METHOD 6).
+
+use crate::{
+    constrain::{Footprint, Ground, Held, Job, Missed, Prepared, hold},
+    math::Rigid,
+    motion::{Clip, EditedClip},
+    path::{NewPath, OriginalPath, PathFrame, Residuals, Timing},
+};
+use std::sync::Arc;
+
+/// What holding the feet did, beside the clip it made. Frames are edited frames.
+#[derive(Clone, Debug, Default)]
+pub struct Holding {
+    /// Where the feet stand, cycle by cycle and leg by leg.
+    pub footprints: Vec<Footprint>,
+    /// Plants that could not be reached.
+    pub missed: Vec<Missed>,
+    /// Largest distance by which the carrier gave way, the clip's unit.
+    pub largest_offset: f64,
+}
+
+/// What carries a clip along the path.
+#[derive(Clone, Copy)]
+pub(super) struct Carriage<'a> {
+    pub(super) clip: &'a Arc<Clip>,
+    pub(super) residuals: &'a Residuals,
+    pub(super) original: &'a OriginalPath,
+    /// Arc length of each frame on the original path.
+    pub(super) progress: &'a [f64],
+    pub(super) new_path: &'a NewPath,
+    pub(super) timing: &'a Timing,
+}
+
+impl Carriage<'_> {
+    /// Carries the clip as METHOD 3 to 5 have it; the feet slide.
+    pub(super) fn plain(&self) -> EditedClip {
+        let frames = self.timing.source_frames.iter().zip(&self.timing.frames);
+        EditedClip {
+            clip: Arc::clone(self.clip),
+            source_frames: self.timing.source_frames.clone(),
+            carrier_world: frames.map(|(&f, at)| self.residuals.apply(f as usize, at)).collect(),
+            turned: Vec::new(),
+        }
+    }
+
+    /// Carries the clip with its feet held.
+    pub(super) fn held(&self, prepared: &Prepared, ground: Ground) -> (EditedClip, Holding) {
+        let n = self.timing.n_frames();
+        let mut edited = EditedClip {
+            clip: Arc::clone(self.clip),
+            source_frames: self.timing.source_frames.clone(),
+            carrier_world: Vec::with_capacity(n),
+            turned: Vec::new(),
+        };
+        let mut holding = Holding::default();
+        let starts = std::iter::once(0).chain(self.timing.seams.iter().copied());
+        let ends = self.timing.seams.iter().copied().chain([n]);
+        for (first, end) in starts.zip(ends) {
+            let path = self.whole_cycle(first, end);
+            let carrier: Vec<Rigid> = path.iter().enumerate().map(|(f, at)| self.residuals.apply(f, at)).collect();
+            let job = Job { carrier: &carrier, path: &path, original: self.original.frames(), ground };
+            append(&mut edited, &mut holding, hold(prepared, &job), first, end);
+        }
+        (edited, holding)
+    }
+
+    /// Returns the path frames of all the clip's frames in the cycle that is shown from `first` to `end`.
+    fn whole_cycle(&self, first: usize, end: usize) -> Vec<PathFrame> {
+        let mut path = self.timing.frames[first..end].to_vec();
+        let start = self.timing.arc_lengths[first] - self.progress[0];
+        // Beyond the end the path is straight, so what an integrator makes of its length is only a shift.
+        let shift = self.new_path.length() - self.timing.path_length;
+        let beyond: Vec<f64> = self.progress[end - first..].iter().map(|s| start + s + shift).collect();
+        path.extend(self.new_path.frames_along(&beyond));
+        path
+    }
+}
+
+/// Appends a held cycle, cut to the frames that are shown.
+fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize) {
+    let n = end - first;
+    edited.carrier_world.extend_from_slice(&held.carrier[..n]);
+    if edited.turned.is_empty() {
+        edited.turned = held.turned;
+        for turned in &mut edited.turned {
+            turned.rotations.truncate(n);
+        }
+    } else {
+        for (turned, more) in edited.turned.iter_mut().zip(held.turned) {
+            turned.rotations.extend_from_slice(&more.rotations[..n]);
+        }
+    }
+    let shown = |frame: usize| first + frame.min(n - 1);
+    holding.footprints.extend((held.footprints.into_iter()).filter(|print| print.first < n).map(|print| Footprint {
+        first: shown(print.first),
+        last: shown(print.last),
+        ..print
+    }));
+    holding.missed.extend((held.missed.into_iter()).filter(|missed| missed.frame < n).map(|missed| Missed {
+        first: shown(missed.first),
+        last: shown(missed.last),
+        frame: shown(missed.frame),
+        ..missed
+    }));
+    holding.largest_offset = holding.largest_offset.max(held.largest_offset);
+}
