@@ -8,11 +8,11 @@ mod hold_numbers;
 use std::sync::OnceLock;
 
 use glam::{DQuat, DVec3};
-use hold_numbers::{Numbers, Plain, SHAPES, Subject, measure};
+use hold_numbers::{Plain, SHAPES, Subject, measure};
 use proptest::prelude::*;
 use walkabout::{
     bvh::Bvh,
-    constrain::{Ground, Held, Prepared, hold},
+    constrain::{Footprint, Ground, Held, Prepared, hold},
     contact::PlantMode,
     curve::BSpline,
     math::Rigid,
@@ -30,41 +30,54 @@ fn clips() -> Option<String> {
     dir
 }
 
-/// Checks what every held edit keeps to; `offset` and `acceleration` are bounds that depend on the clip.
+/// Checks what every held edit keeps to, its feet as they are or clean.
+///
+/// `offset` bounds the carrier's offset in body heights. The bar is 0.06 on walks. Where it is more, no smaller offset
+/// reaches the plants: a polynomial of a low degree sways where its clip stands still, and plain path editing with it.
 #[track_caller]
-fn check(what: &str, n: &Numbers, acceleration: f64, offset: f64) {
-    let told = format!("{what}: {n:?}");
-    assert!(n.planted_speed <= 1.02 && n.slip <= 1.05, "{told}");
-    assert!(n.clearance >= 0.9, "{told}");
-    assert!(n.bones <= 1e-6, "{told}");
-    assert!(n.jerk <= 1.3 && n.acceleration <= acceleration && n.offset <= offset, "{told}");
-    assert!(n.knee_back_deg > -0.1, "{told}");
-    assert_eq!(n.n_missed, 0, "{told}");
+fn check(what: &str, subject: &Subject, plain: &Plain, offset: f64) {
+    for mode in [PlantMode::Hold, PlantMode::Clean] {
+        let n = measure(subject, &plain.held(subject, &subject.with_mode(mode)));
+        let told = format!("{} {what} {mode:?}: {n:?}", subject.name);
+        let (speed, slip, jerk) = if mode == PlantMode::Clean { (0.1, 0.1, 1.35) } else { (1.02, 1.05, 1.3) };
+        assert_eq!(n.n_missed, 0, "{told}");
+        assert!(n.planted_speed <= speed && n.slip <= slip && n.foot_turn < 1e-9, "{told}");
+        assert!(n.clearance >= 0.9 && n.bones <= 1e-6, "{told}");
+        assert!(n.jerk <= jerk && n.acceleration <= 2.0 && n.end_jump <= 2.0, "{told}");
+        assert!(n.knee_back_deg > -0.1 && n.knee_step <= 2.0, "{told}");
+        assert!(n.offset <= offset, "{told}");
+    }
 }
 
 #[test]
 fn the_built_in_walk_keeps_its_feet() {
     let subject = Subject::built_in();
     for kind in SHAPES {
-        let plain = Plain::bent(&subject, kind, 13, 0.5);
-        let before = measure(&subject, &plain.unheld());
-        assert!(before.planted_speed > 3.0, "plain path editing slides: {before:?}");
-        check(kind.name(), &measure(&subject, &plain.held(&subject, &subject.feet)), 2.0, 0.06);
-        let clean = measure(&subject, &plain.held(&subject, &subject.with_mode(PlantMode::Clean)));
-        assert!(clean.slip < 0.1 && clean.planted_speed < 0.1, "{}: {clean:?}", kind.name());
+        for (degree, offset) in [(5, 0.15), (13, 0.06)] {
+            let plain = Plain::bent(&subject, kind, degree, 0.5);
+            let before = measure(&subject, &plain.unheld());
+            assert!(before.planted_speed > 3.0, "plain path editing slides: {before:?}");
+            check(&format!("{} {degree}", kind.name()), &subject, &plain, offset);
+        }
     }
 }
 
 #[test]
-fn captured_walks_keep_their_feet() {
+fn captured_clips_keep_their_feet() {
+    const CLIPS: [(&str, f64); 5] = [
+        ("walk01", 0.06),
+        ("cmu_12_03_walk", 0.06),
+        ("zombie_turns_z_up", 0.07),
+        ("cmu_131_01_start_walk_stop", 0.1),
+        ("cmu_01_01_jumps", 0.06),
+    ];
     let Some(dir) = clips() else { return };
-    for (name, offset) in [("walk01", 0.06), ("cmu_12_03_walk", 0.06), ("zombie_turns_z_up", 0.2)] {
+    for (name, offset) in CLIPS {
         let subject = Subject::read(&dir, name);
         for kind in [ShapeKind::Circle, ShapeKind::Zigzag, ShapeKind::Eight] {
             for degree in [5, 13] {
                 let plain = Plain::bent(&subject, kind, degree, 0.5);
-                let numbers = measure(&subject, &plain.held(&subject, &subject.feet));
-                check(&format!("{name} {} {degree}", kind.name()), &numbers, 2.0, offset);
+                check(&format!("{} {degree}", kind.name()), &subject, &plain, offset);
             }
         }
     }
@@ -160,6 +173,64 @@ fn footprints_stand_where_the_feet_do() {
         let mean = (print.first..=print.last).map(mid).sum::<DVec3>() / n;
         assert!(mean.distance(print.place) < 1e-6, "{print:?} {mean}");
     }
+}
+
+/// A straight path that climbs at this slope, bent a little, long enough for a clip.
+fn climbing(subject: &Subject, slope_deg: f64) -> (OriginalPath, NewPath) {
+    let height = subject.clip.facts.height.value;
+    let original = OriginalPath::fit(&subject.carrier, Degree::Fixed(13), 0.5, height);
+    let (start, length) = (original.frames()[0].point, 1.3 * original.length());
+    let rise = slope_deg.to_radians().tan();
+    let points = (0..8)
+        .map(|i| {
+            let along = length * f64::from(i) / 7.0;
+            start + DVec3::new(0.1 * length * (0.6 * f64::from(i)).sin(), rise * along, along)
+        })
+        .collect();
+    (original, NewPath::new(BSpline::new(3, points), 0.5 * height, 0.0))
+}
+
+#[test]
+fn feet_climb_and_the_body_follows_smoothly() {
+    let mut subjects = vec![Subject::built_in()];
+    subjects.extend(clips().iter().flat_map(|dir| ["walk01", "cmu_12_03_walk"].map(|name| Subject::read(dir, name))));
+    for subject in &subjects {
+        let height = subject.clip.facts.height.value;
+        let prepared = Prepared::new(&subject.clip, &subject.feet);
+        for slope_deg in [10.0, 20.0] {
+            let (original, path) = climbing(subject, slope_deg);
+            let plain = Plain::along(subject, &original, &path);
+            for ground in [Ground::Steps, Ground::Ramp] {
+                let held = hold(&prepared, &plain.job(ground));
+                let numbers = measure(subject, &held);
+                let told = format!("{} {slope_deg}° {ground:?}: {numbers:?}", subject.name);
+                assert!(held.missed.is_empty() && numbers.knee_back_deg > -0.1, "{told}");
+                // The body follows smoothly; a foot that tilts with the slope rolls along it, not along the floor.
+                assert!(numbers.offset < 0.09 && numbers.jerk < 1.6, "{told}");
+                let tilts = ground == Ground::Ramp;
+                assert!(tilts || (numbers.planted_speed <= 1.02 && numbers.slip <= 1.05), "{told}");
+                for print in &held.footprints {
+                    let off = print.place.y - height_at(&path, print.place) - height_over(subject, &original, print);
+                    assert!(off.abs() < 0.05 * height, "{told}: {print:?} {off}");
+                }
+            }
+        }
+    }
+}
+
+/// Returns the height of a path where it passes a place nearest.
+fn height_at(path: &NewPath, place: DVec3) -> f64 {
+    let away = |p: &DVec3| (p.x - place.x).hypot(p.z - place.z);
+    let nearest = path.polyline(2000).into_iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+    nearest.expect("a path has points").y
+}
+
+/// Returns how far above the original path the foot of a plant is in the source, on average.
+fn height_over(subject: &Subject, original: &OriginalPath, print: &Footprint) -> f64 {
+    let leg = subject.feet[print.leg].leg;
+    let height = |point: usize, f: usize| subject.tracks.position(point, f).y;
+    let over = |f: usize| 0.5 * (height(leg.ankle.idx(), f) + height(leg.toe, f)) - original.frames()[f].point.y;
+    (print.first..=print.last).map(over).sum::<f64>() / (print.last - print.first + 1) as f64
 }
 
 proptest! {

@@ -77,7 +77,9 @@ fn every_clip_walks_every_shape() {
             );
             if solved.walks_new_path() {
                 let measures = &solved.measures;
-                assert!(measures.path_error.expect("edited") < 1e-9, "{place}");
+                // Held feet make the carrier give way, by what the result says.
+                let given = solved.holding.as_ref().map_or(0.0, |holding| holding.largest_offset) / height;
+                assert!(measures.path_error.expect("edited") < given + 1e-9, "{place}");
                 let whole = !matches!(kind, ShapeKind::Chord) && !solved.original.goes_nowhere();
                 if whole {
                     let height = measures.height.edited / measures.height.source;

@@ -1,9 +1,9 @@
 //! Where a foot should be: one rigid motion per plant, blended over the swings between them (METHOD 6, steps 2 to 4).
 //!
-//! Time is cut into *stretches* over which one motion holds: a plant's own motion, or plain path editing. In the gaps
-//! between two stretches the foot is a blend of what both would make of it.
+//! In a swing the foot lets go of one plant's motion, follows the body for a while and takes up the next one's: the
+//! shares of the two motions fall and rise smoothly, what is left of them is the body's own.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, DVec4};
 
 use super::{
     Ground, Job,
@@ -14,11 +14,14 @@ use crate::{
     math::{Rigid, heading_rotation},
 };
 
-/// Time over which a foot goes from plain path editing to a plant or back, seconds.
-const TO_PLAIN_SECS: f64 = 0.5;
+/// Longest time over which a foot lets go of a plant's motion or takes it up, seconds.
+const LONGEST_FADE_SECS: f64 = 0.5;
 
-/// Two plants further apart than this have plain path editing between them, seconds.
+/// Between two plants further apart than this the foot has time to follow the body's height too, seconds.
 const LONGEST_SWING_SECS: f64 = 1.5;
+
+/// Share of a swing over which it does.
+const FADE_SHARE: f64 = 0.7;
 
 /// Plants of a foot with shorter gaps between them have one motion: the foot hardly leaves the ground, seconds.
 const SHORTEST_SWING_SECS: f64 = 0.2;
@@ -28,114 +31,148 @@ const LONGEST_GROUP_SECS: f64 = 2.5;
 
 /// A foot's plan.
 pub(super) struct FootPlan {
-    /// Where the ankle should be at each frame, world.
-    pub(super) ankle: Vec<Rigid>,
-    /// Index of the plant, in the leg's list, that holds the foot at each frame.
-    pub(super) plant: Vec<Option<u32>>,
-    /// Motion of each plant that is held, by its index.
+    /// Where the foot should be at each frame.
+    pub(super) feet: Vec<Planned>,
+    /// Motion of each plant that is held, by its index in the leg's list.
     pub(super) motions: Vec<(u32, Rigid)>,
 }
 
-/// Frames over which one motion holds; those of plain path editing may begin before the clip or end after it.
-struct Stretch<'a> {
-    first: i64,
-    last: i64,
-    /// None for plain path editing.
-    held: Option<Hold<'a>>,
+/// Where a foot should be at one frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Planned {
+    /// The ankle, world, where the carrier has no offset.
+    pub(super) ankle: Rigid,
+    /// Share of the carrier's offset that the ankle takes part in, by axis: 0 in a plant.
+    pub(super) follows: DVec3,
+    /// Index of the plant, in the leg's list, that holds the foot.
+    pub(super) plant: Option<u32>,
 }
 
-/// A plant and its motion.
+/// A plant at whose ends something else begins.
 #[derive(Clone, Copy)]
-struct Hold<'a> {
+struct Stand<'a> {
     idx: u32,
     plant: &'a PreparedPlant,
-    motion: Rigid,
+    /// None for an intended slide, which is the body's own.
+    motion: Option<Rigid>,
+}
+
+/// Times as numbers of frames.
+struct Times {
+    longest_fade: f64,
+    longest_swing: f64,
+    shortest_swing: usize,
+    longest_group: usize,
+}
+
+impl Times {
+    fn new(frame_time_secs: f64) -> Self {
+        let frames_in = |secs: f64| (secs / frame_time_secs).ceil().max(1.0);
+        Self {
+            longest_fade: frames_in(LONGEST_FADE_SECS),
+            longest_swing: frames_in(LONGEST_SWING_SECS),
+            shortest_swing: frames_in(SHORTEST_SWING_SECS) as usize,
+            longest_group: frames_in(LONGEST_GROUP_SECS) as usize,
+        }
+    }
+
+    /// Returns the shares of a plant's motion, along and up, this many frames from its end in a swing of this many.
+    fn shares(&self, distance: usize, swing: Option<usize>) -> [f64; 2] {
+        let fades = match swing.map(|swing| swing as f64) {
+            Some(swing) if swing < self.shortest_swing as f64 => [swing; 2],
+            Some(swing) if swing < self.longest_swing => [(FADE_SHARE * swing).min(self.longest_fade), swing],
+            _ => [self.longest_fade; 2],
+        };
+        fades.map(|fade| 1.0 - smootherstep(distance as f64 / fade))
+    }
 }
 
 /// Plans a foot. `passage` takes the source's world at each frame to where plain path editing has it.
 pub(super) fn plan(leg: &PreparedLeg, job: &Job, passage: &[Rigid], frame_time_secs: f64) -> FootPlan {
     let n = passage.len();
-    let stretches = stretches(leg, job, passage, frame_time_secs);
-    let mut plan = FootPlan {
-        ankle: Vec::with_capacity(n),
-        plant: vec![None; n],
-        motions: stretches.iter().filter_map(|s| s.held.map(|h| (h.idx, h.motion))).collect(),
-    };
-    let mut at = 0;
-    for (idx, stretch) in stretches.iter().enumerate() {
-        while (at as i64) <= stretch.last && at < n {
-            let ankle = &leg.frames[at].ankle_world;
-            plan.ankle.push(stretch.moved(ankle, &passage[at], at));
-            plan.plant[at] = stretch.held.map(|h| h.idx);
-            at += 1;
+    let times = Times::new(frame_time_secs);
+    let stands = stands(leg, job, passage, &times);
+    let mut feet = Vec::with_capacity(n);
+    let mut before: Option<&Stand> = None;
+    for after in stands.iter().map(Some).chain([None]) {
+        let end = after.map_or(n, |s| s.plant.plant.first);
+        let swing = before.zip(after).map(|(b, a)| a.plant.plant.first.saturating_sub(b.plant.plant.last));
+        let begin = feet.len();
+        for (f, passage) in (begin..end).zip(&passage[begin..]) {
+            let from = before.map(|b| (b, times.shares(f - b.plant.plant.last, swing)));
+            let to = after.map(|a| (a, times.shares(a.plant.plant.first - f, swing)));
+            feet.push(between(from, to, &leg.frames[f].ankle_world, passage, f));
         }
-        let Some(next) = stretches.get(idx + 1) else { break };
-        while (at as i64) < next.first && at < n {
-            let ankle = &leg.frames[at].ankle_world;
-            let from = stretch.moved(ankle, &passage[at], at);
-            let to = next.moved(ankle, &passage[at], at);
-            let share = (at as i64 - stretch.last) as f64 / (next.first - stretch.last) as f64;
-            plan.ankle.push(blend(&from, &to, smootherstep(share)));
-            at += 1;
+        let Some(stand) = after else { break };
+        let begin = feet.len();
+        for (f, passage) in (begin..=stand.plant.plant.last).zip(&passage[begin..]) {
+            let ankle = &leg.frames[f].ankle_world;
+            feet.push(match stand.moved(ankle, f) {
+                Some(ankle) => Planned { ankle, follows: DVec3::ZERO, plant: Some(stand.idx) },
+                None => Planned { ankle: *passage * *ankle, follows: DVec3::ONE, plant: None },
+            });
         }
+        before = after;
     }
-    plan
+    FootPlan { feet, motions: stands.iter().filter_map(|s| Some((s.idx, s.motion?))).collect() }
 }
 
-/// Cuts time into stretches: they cover the clip but for the gaps between them.
-fn stretches<'a>(leg: &'a PreparedLeg, job: &Job, passage: &[Rigid], frame_time_secs: f64) -> Vec<Stretch<'a>> {
-    let n = passage.len();
-    let frames_in = |secs: f64| (secs / frame_time_secs).ceil().max(1.0) as i64;
-    let to_plain = frames_in(TO_PLAIN_SECS);
-    let longest = frames_in(LONGEST_SWING_SECS).max(2 * to_plain);
-    let (shortest, group) = (frames_in(SHORTEST_SWING_SECS), frames_in(LONGEST_GROUP_SECS));
+/// Returns where a foot in swing should be: by two plants' motions with their shares, for the rest by the body's.
+fn between(
+    from: Option<(&Stand, [f64; 2])>,
+    to: Option<(&Stand, [f64; 2])>,
+    ankle: &Rigid,
+    passage: &Rigid,
+    frame: usize,
+) -> Planned {
+    let own = *passage * *ankle;
+    let (mut rotation, mut translation) = (DVec4::ZERO, DVec3::ZERO);
+    let mut follows = DVec3::ONE;
+    for (stand, [along, up]) in [from, to].into_iter().flatten() {
+        let Some(moved) = stand.moved(ankle, frame) else { continue };
+        let alike = if own.rotation.dot(moved.rotation) < 0.0 { -along } else { along };
+        let shares = DVec3::new(along, up, along);
+        rotation += alike * DVec4::from(moved.rotation);
+        translation += shares * moved.translation;
+        follows -= shares;
+    }
+    let follows = follows.max(DVec3::ZERO);
+    rotation += follows.x * DVec4::from(own.rotation);
+    translation += follows * own.translation;
+    let rotation = DQuat::from_vec4(rotation.try_normalize().unwrap_or(DVec4::from(own.rotation)));
+    Planned { ankle: Rigid::new(rotation, translation), follows, plant: None }
+}
+
+/// Lists the plants of a leg with their motions.
+fn stands<'a>(leg: &'a PreparedLeg, job: &Job, passage: &[Rigid], times: &Times) -> Vec<Stand<'a>> {
+    let n_shown = leg.plants.partition_point(|p| p.plant.first < passage.len());
+    let is_held = |p: &PreparedPlant| p.plant.mode != PlantMode::Slide;
     let together = |a: &PreparedPlant, b: &PreparedPlant| {
-        let is_held = |p: &PreparedPlant| p.plant.mode != PlantMode::Slide;
-        is_held(a) && is_held(b) && ((b.plant.first - a.plant.last) as i64) < shortest
+        is_held(a) && is_held(b) && b.plant.first.saturating_sub(a.plant.last) < times.shortest_swing
     };
-    let plain = |first, last| Stretch { first, last, held: None };
-    let mut stretches: Vec<Stretch> = Vec::with_capacity(2 * leg.plants.len() + 1);
-    let n_shown = leg.plants.partition_point(|p| p.plant.first < n);
-    let mut group_end = 0;
-    let mut motion = Rigid::IDENTITY;
-    for (idx, plant) in leg.plants[..n_shown].iter().enumerate() {
-        let (first, last) = (plant.plant.first as i64, plant.plant.last as i64);
-        if plant.plant.mode == PlantMode::Slide {
-            stretches.push(plain(first, last));
-            continue;
+    let mut stands = Vec::with_capacity(n_shown);
+    while stands.len() < n_shown {
+        let idx = stands.len();
+        let first = leg.plants[idx].plant.first;
+        let mut end = idx + 1;
+        while end < n_shown
+            && together(&leg.plants[end - 1], &leg.plants[end])
+            && leg.plants[end].plant.last - first <= times.longest_group
+        {
+            end += 1;
         }
-        if idx >= group_end {
-            group_end = idx + 1;
-            while group_end < n_shown
-                && together(&leg.plants[group_end - 1], &leg.plants[group_end])
-                && leg.plants[group_end].plant.last as i64 - first <= group
-            {
-                group_end += 1;
-            }
-            motion = motion_of(&leg.plants[idx..group_end], &leg.frames, job, passage);
-        }
-        let before = stretches.last().map_or(i64::MIN / 2, |s: &Stretch| s.last);
-        let after_plant = stretches.last().is_some_and(|s| s.held.is_some());
-        if first - before > longest {
-            stretches.push(plain(if after_plant { before + to_plain } else { before }, first - to_plain));
-        }
-        stretches.push(Stretch { first, last, held: Some(Hold { idx: idx as u32, plant, motion }) });
+        let group = &leg.plants[idx..end];
+        let motion = is_held(&group[0]).then(|| motion_of(group, &leg.frames, job, passage));
+        stands.extend((idx as u32..).zip(group).map(|(idx, plant)| Stand { idx, plant, motion }));
     }
-    let last = stretches.last().map_or(i64::MIN / 2, |s| s.last + to_plain);
-    stretches.push(plain(last, i64::MAX));
-    stretches
+    stands
 }
 
-impl Stretch<'_> {
-    /// Returns where the ankle of a frame is by this stretch's motion; also for frames outside it.
-    fn moved(&self, ankle: &Rigid, passage: &Rigid, frame: usize) -> Rigid {
-        let Some(hold) = &self.held else { return *passage * *ankle };
-        if hold.plant.slide.is_empty() {
-            return hold.motion * *ankle;
-        }
-        let slide = &hold.plant.slide;
-        let at = (frame as i64 - self.first).clamp(0, slide.len() as i64 - 1) as usize;
-        hold.motion * Rigid::new(ankle.rotation, ankle.translation - slide[at])
+impl Stand<'_> {
+    /// Returns where the ankle of a frame is by this plant's motion, if it has one; also for frames outside it.
+    fn moved(&self, ankle: &Rigid, frame: usize) -> Option<Rigid> {
+        let stood = Rigid::new(ankle.rotation, ankle.translation - self.plant.slid(frame));
+        Some(self.motion? * stood)
     }
 }
 
@@ -161,13 +198,6 @@ fn motion_of(plants: &[PreparedPlant], frames: &[LegFrame], job: &Job, passage: 
         rotation = along * DQuat::from_rotation_x(-slope / n) * along.conjugate() * rotation;
     }
     Rigid::new(rotation, place - rotation * foot)
-}
-
-/// Returns a motion between two, `share` of the way.
-fn blend(from: &Rigid, to: &Rigid, share: f64) -> Rigid {
-    let to_rotation = if from.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
-    let rotation = (from.rotation * (1.0 - share) + to_rotation * share).normalize();
-    Rigid::new(rotation, from.translation.lerp(to.translation, share))
 }
 
 /// Goes from 0 to 1 over [0, 1] with no velocity and no acceleration at either end.

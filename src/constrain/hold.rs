@@ -1,14 +1,15 @@
 //! `hold`: from a plain path edit to one whose feet stay where they stand.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::{
     Prepared,
-    feet::{self, FootPlan, smootherstep},
-    offset::{Wish, offsets},
-    prepared::{LegFrame, PreparedLeg},
-    two_bone::TwoBone,
+    bend::{Bend, freedom},
+    cost::Wish,
+    feet::{self, FootPlan},
+    offset::Problem,
+    prepared::PreparedLeg,
 };
 use crate::{
     math::{Rigid, twist_rad},
@@ -16,20 +17,11 @@ use crate::{
     path::PathFrame,
 };
 
-/// A planted leg is held within this share of its length, unless the source's own is longer.
-const LIMIT: f64 = 0.9995;
-
-/// A leg's wish counts no more than this, although a knee turns ever faster towards full extension.
-const MOST_WEIGHT: f64 = 50.0;
-
 /// Weight of a leg in swing over one that stands.
-const SWING_WEIGHT: f64 = 0.3;
+const SWING_WEIGHT: f64 = 0.5;
 
-/// Time over which easing sets in after a plant and ends before one, seconds.
-const EASE_SECS: f64 = 0.1;
-
-/// A leg in swing is eased over this share of its length before it is straight.
-const EASE_SHARE: f64 = 0.02;
+/// Shorter clips are not worth another thread.
+const FEWEST_FRAMES: usize = 2000;
 
 /// A plant is missed when its foot is off by more than this share of the body height.
 const MISSED: f64 = 1e-4;
@@ -119,45 +111,68 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let dt = prepared.frame_time_secs;
     let passage: Vec<Rigid> =
         job.carrier.iter().zip(&prepared.carrier).map(|(plain, source)| *plain * source.inverse()).collect();
-    let plans: Vec<FootPlan> = prepared.legs.iter().map(|leg| feet::plan(leg, job, &passage, dt)).collect();
-    let eases: Vec<Vec<f64>> = plans.iter().map(|plan| eases(&plan.plant, dt)).collect();
-    let wishes: Vec<Vec<Wish>> = (prepared.legs.iter().zip(&plans).zip(&eases))
-        .map(|((leg, plan), ease)| wishes(leg, plan, ease, job.carrier))
-        .collect();
-    let offsets = offsets(&wishes, dt);
+    let asks = each(&prepared.legs, |_, leg| Ask::new(leg, job, &passage, dt));
+    let wishes: Vec<&[Wish]> = asks.iter().map(|ask| &ask.wishes[..]).collect();
+    let offsets = Problem { wishes: &wishes, frame_time_secs: dt, height: prepared.height }.offsets();
     let mut held = Held { carrier: job.carrier.to_vec(), ..Held::default() };
     for (carrier, offset) in held.carrier.iter_mut().zip(&offsets) {
         carrier.translation += offset;
     }
     held.largest_offset = offsets.iter().map(|o| o.length_squared()).fold(0.0, f64::max).sqrt();
-    for (idx, ((leg, plan), ease)) in prepared.legs.iter().zip(&plans).zip(&eases).enumerate() {
-        held.bend(idx, leg, plan, ease, prepared.height);
-        held.footprints.extend(plan.motions.iter().map(|(plant, motion)| footprint(idx, leg, *plant, motion)));
+    let bent = each(&prepared.legs, |idx, leg| {
+        let Ask { plan, free, .. } = &asks[idx];
+        let (carrier, offsets) = (&held.carrier, &offsets);
+        Bend { leg, feet: &plan.feet, free, carrier, offsets, frame_time_secs: dt }.solve(MISSED * prepared.height)
+    });
+    for (idx, ((leg, ask), bent)) in prepared.legs.iter().zip(&asks).zip(bent).enumerate() {
+        held.turned.extend(bent.turned);
+        for (plant, frame, by) in bent.missed {
+            held.miss(idx, leg, plant, frame, by);
+        }
+        held.footprints.extend(ask.plan.motions.iter().map(|(plant, motion)| footprint(idx, leg, *plant, motion)));
     }
     held
 }
 
-/// Returns what a leg asks of the carrier at every frame.
-fn wishes(leg: &PreparedLeg, plan: &FootPlan, ease: &[f64], carrier: &[Rigid]) -> Vec<Wish> {
-    (carrier.iter().zip(&leg.frames).zip(&plan.ankle).zip(ease))
-        .map(|(((carrier, frame), ankle), &ease)| {
-            let share = frame.reach / frame.length;
-            let weight = (1.0 / (1.0 - share * share)).clamp(1.0, MOST_WEIGHT);
-            Wish {
-                leg: carrier.point(frame.hip) - ankle.translation,
-                reach: frame.reach,
-                weight: weight * (1.0 + ease * (SWING_WEIGHT - 1.0)),
-                // Nor may a leg be too long just before it is planted and just after, where it cannot be eased yet.
-                limit: if ease < 1.0 { frame.limit() } else { f64::INFINITY },
-            }
-        })
-        .collect()
+/// Makes something of each leg: of long clips the first one's on this thread, the others' on their own.
+fn each<T: Send>(legs: &[PreparedLeg], make: impl Fn(usize, &PreparedLeg) -> T + Sync) -> Vec<T> {
+    let Some((first, others)) = legs.split_first() else { return Vec::new() };
+    if first.frames.len() < FEWEST_FRAMES {
+        return legs.iter().enumerate().map(|(idx, leg)| make(idx, leg)).collect();
+    }
+    let make = &make;
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (1..).zip(others).map(|(idx, leg)| scope.spawn(move || make(idx, leg))).collect();
+        let mut made = vec![make(0, first)];
+        made.extend(others.into_iter().map(|other| other.join().expect("a leg's thread does not panic")));
+        made
+    })
 }
 
-impl LegFrame {
-    /// Returns the distance from hip to ankle that a planted leg keeps to.
-    fn limit(&self) -> f64 {
-        (LIMIT * self.length).max(self.reach)
+/// What a leg asks for: where its foot should be, and that of the carrier.
+struct Ask {
+    plan: FootPlan,
+    /// How free the foot is at each frame.
+    free: Vec<f64>,
+    wishes: Vec<Wish>,
+}
+
+impl Ask {
+    fn new(leg: &PreparedLeg, job: &Job, passage: &[Rigid], frame_time_secs: f64) -> Self {
+        let plan = feet::plan(leg, job, passage, frame_time_secs);
+        let free = freedom(&plan.feet, frame_time_secs);
+        let wishes = (job.carrier.iter().zip(&leg.frames).zip(&plan.feet).zip(&free))
+            .map(|(((carrier, frame), foot), &free)| Wish {
+                leg: carrier.point(frame.hip) - foot.ankle.translation,
+                moves: DVec3::ONE - foot.follows,
+                reach: frame.reach,
+                length: frame.length,
+                weight: 1.0 + free * (SWING_WEIGHT - 1.0),
+                // Nor may a leg be too long just before it is planted and just after, where it is not free yet.
+                limit: if free < 1.0 { frame.limit() } else { f64::INFINITY },
+            })
+            .collect();
+        Self { plan, free, wishes }
     }
 }
 
@@ -170,33 +185,6 @@ fn footprint(idx: usize, leg: &PreparedLeg, plant_idx: u32, motion: &Rigid) -> F
 }
 
 impl Held {
-    /// Bends a leg to its foot's plan.
-    fn bend(&mut self, idx: usize, leg: &PreparedLeg, plan: &FootPlan, ease: &[f64], height: f64) {
-        let n = self.carrier.len();
-        let [mut hips, mut knees, mut ankles] = [0; 3].map(|_| Vec::with_capacity(n));
-        for (frame, &ease) in ease.iter().enumerate().take(n) {
-            let (source, carrier) = (&leg.frames[frame], &self.carrier[frame]);
-            let back = carrier.rotation.conjugate();
-            let wanted = back * (plan.ankle[frame].translation - carrier.translation) - source.hip;
-            let target = eased(source, wanted, ease);
-            let turns = TwoBone { thigh: source.thigh, shin: source.shin, hinge: source.hinge, target }.solve();
-            let local = |parent: DQuat, world: DQuat| parent.conjugate() * world;
-            hips.push(local(source.hip_parent, turns.hip * source.hip_rotation));
-            knees.push(local(source.knee_parent, turns.knee * source.knee_rotation));
-            let shin = turns.hip * turns.knee * source.ankle_parent;
-            ankles.push(local(shin, back * plan.ankle[frame].rotation));
-            if let Some(plant) = plan.plant[frame] {
-                let by = wanted.distance(turns.reached);
-                if by > MISSED * height {
-                    self.miss(idx, leg, plant, frame, by);
-                }
-            }
-        }
-        for (joint, rotations) in [(leg.leg.hip, hips), (leg.leg.knee, knees), (leg.leg.ankle, ankles)] {
-            self.turned.push(TurnedJoint { joint, rotations });
-        }
-    }
-
     fn miss(&mut self, leg_idx: usize, leg: &PreparedLeg, plant: u32, frame: usize, by: f64) {
         let plant = leg.plants[plant as usize].plant;
         match self.missed.last_mut() {
@@ -208,35 +196,4 @@ impl Held {
             _ => self.missed.push(Missed { leg: leg_idx, first: plant.first, last: plant.last, frame, by }),
         }
     }
-}
-
-/// Returns the target of a leg in swing, drawn in so that the leg comes near its full length but slowly; the target
-/// itself where that is near enough. No leg that is shorter than in the source is changed.
-fn eased(source: &LegFrame, target: DVec3, ease: f64) -> DVec3 {
-    let free = (source.limit() - ease * EASE_SHARE * source.length).max(source.reach);
-    let room = source.length - free;
-    let wanted_squared = target.length_squared();
-    if ease == 0.0 || wanted_squared <= free * free || room <= 0.0 {
-        return target;
-    }
-    let wanted = wanted_squared.sqrt();
-    target * ((free + room * (1.0 - ((free - wanted) / room).exp())) / wanted)
-}
-
-/// Returns how much a foot is eased at each frame: not in plants, fully well away from them.
-fn eases(plant: &[Option<u32>], frame_time_secs: f64) -> Vec<f64> {
-    let n_frames = (EASE_SECS / frame_time_secs).max(1.0);
-    let n = plant.len();
-    let mut distance = vec![f64::INFINITY; n];
-    let mut since = f64::INFINITY;
-    for f in 0..n {
-        since = if plant[f].is_some() { 0.0 } else { since + 1.0 };
-        distance[f] = since;
-    }
-    since = f64::INFINITY;
-    for f in (0..n).rev() {
-        since = if plant[f].is_some() { 0.0 } else { since + 1.0 };
-        distance[f] = smootherstep(distance[f].min(since) / n_frames);
-    }
-    distance
 }

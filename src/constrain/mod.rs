@@ -13,6 +13,8 @@
 //! [`Prepared`] holds what follows from the source alone; [`hold()`] is made to run on every key press.
 
 mod banded;
+mod bend;
+mod cost;
 mod feet;
 mod hold;
 mod offset;

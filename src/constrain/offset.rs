@@ -1,16 +1,22 @@
 //! The carrier's offset: the smooth way to give in so that both legs keep the performer's reach.
 //!
 //! The offset is a cubic B-spline over time, so it is smooth by construction and has few unknowns. Its control points
-//! solve one least-squares problem over the whole clip, a few times over (Gauss–Newton): keep each leg's distance from
-//! hip to ankle near the source's, the more so the faster the knee turns per unit of reach; keep planted legs within
-//! reach, at any price; else move little and smoothly.
+//! make the sum of costs over the whole clip least: turn each knee no further than the performer's, keep planted legs
+//! within reach, at any price, stay near plain path editing, and be smooth. The search is Newton's: in each step the
+//! costs are replaced by springs ([`Cost`]), and the springs' equations form a band matrix. A step that would raise the
+//! cost is taken again, damped. Stretches of the clip that are as they should be are left out of the next steps.
+
+use std::ops::Range;
 
 use glam::DVec3;
 
-use super::banded::Banded;
+use super::{
+    banded::Banded,
+    cost::{Cost, Wish},
+};
 
 /// Time between the frames that the problem is set up with, seconds; what is smooth needs no more.
-const SAMPLE_SECS: f64 = 0.025;
+const SAMPLE_SECS: f64 = 0.034;
 
 /// Time between knots, seconds.
 const KNOT_SECS: f64 = 0.1;
@@ -18,66 +24,212 @@ const KNOT_SECS: f64 = 0.1;
 /// Price of the offset's third derivative squared, seconds⁶ per squared length.
 const SMOOTHNESS: f64 = 1e-6;
 
-/// Price of the offset itself.
-const NEARNESS: f64 = 0.2;
-
 /// Price of a leg's excess over its limit.
 const LIMIT_PRICE: f64 = 1e5;
 
-/// Share of that price in the first steps: which legs are too long is not known at once.
-const LIMIT_PRICES: [f64; 4] = [1e-3, 1e-2, 1e-1, 1.0];
+/// Share of that price and most steps with it: which legs are too long is not known at once.
+const STAGES: [(f64, usize); 4] = [(1e-3, 2), (1e-2, 2), (1e-1, 2), (1.0, 30)];
 
-/// How far within its limit an overlong leg is brought, share of the limit.
-const LIMIT_MARGIN: f64 = 2e-4;
+/// A control point that has moved less than this share of a leg stays where it is …
+const STEP_ACCURACY: f64 = 2e-4;
 
-/// Most Gauss–Newton steps.
-const MOST_STEPS: usize = 20;
+/// … unless one of so many on either side of it has moved more.
+const MARGIN: usize = 5;
 
-/// A step that moves the carrier less than this share of a leg ends the search.
-const STEP_ACCURACY: f64 = 5e-5;
+/// A cost that grows by less than this share has not grown.
+const COST_ACCURACY: f64 = 1e-9;
+
+/// Damping after a step that raised the cost, price of moving; it grows and falls by a factor of 4.
+const FIRST_DAMPING: f64 = 1.0;
 
 /// Scalars before an element in the band: four control points of three axes.
 const WIDTH: usize = 12;
 
-/// What one leg asks of the carrier at one frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wish {
-    /// From the ankle's target to the hip without offset, world.
-    pub(super) leg: DVec3,
-    /// Distance from hip to ankle to be kept.
-    pub(super) reach: f64,
-    /// Price of differing from it.
-    pub(super) weight: f64,
-    /// Distance not to be exceeded; infinite for a leg in swing.
-    pub(super) limit: f64,
+/// What the offsets at every frame are to be found for.
+pub(super) struct Problem<'a> {
+    /// One list per leg, all as long as the clip.
+    pub(super) wishes: &'a [&'a [Wish]],
+    /// Seconds from frame to frame.
+    pub(super) frame_time_secs: f64,
+    /// Body height.
+    pub(super) height: f64,
 }
 
-/// Returns the offset at each frame, world. `wishes` has one list per leg, all as long as the clip.
-pub(super) fn offsets(wishes: &[Vec<Wish>], frame_time_secs: f64) -> Vec<DVec3> {
-    let n = wishes.first().map_or(0, Vec::len);
-    if n == 0 {
-        return Vec::new();
+/// Control points that are being searched for, with what the frames ask of them where they are.
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    spline: Spline,
+    /// Price of a leg's excess over its limit.
+    limit_price: f64,
+    points: Vec<DVec3>,
+    intervals: Vec<Interval>,
+    /// Points that may still have to move.
+    active: Vec<bool>,
+    /// Of the step that moves a point next.
+    damping: Vec<f64>,
+}
+
+impl Problem<'_> {
+    /// Returns the offset at each frame, world.
+    pub(super) fn offsets(&self) -> Vec<DVec3> {
+        let n = self.wishes.first().map_or(0, |leg| leg.len());
+        if n == 0 {
+            return Vec::new();
+        }
+        let mut search = Search::new(self, Spline::new(n, self.frame_time_secs));
+        for (share, most_steps) in STAGES {
+            search.set_limit_price(LIMIT_PRICE * share);
+            for _ in 0..most_steps {
+                if !search.step() {
+                    break;
+                }
+            }
+        }
+        search.spline.at_frames(&search.points)
     }
-    let spline = Spline::new(n, frame_time_secs);
-    let mut points = vec![0.0; 3 * spline.n_points];
-    let mut offsets = vec![DVec3::ZERO; n];
-    for step in 0..MOST_STEPS {
-        let limit_price = LIMIT_PRICE * LIMIT_PRICES[step.min(LIMIT_PRICES.len() - 1)];
-        let (matrix, mut rhs) = spline.equations(wishes, &offsets, limit_price, frame_time_secs);
-        matrix.solve(&mut rhs);
-        points.copy_from_slice(&rhs);
-        let moved = spline.fill(&points, &mut offsets);
-        let leg = wishes[0][0].reach;
-        if step >= LIMIT_PRICES.len() && moved < STEP_ACCURACY * leg {
-            break;
+}
+
+impl<'a> Search<'a> {
+    fn new(problem: &'a Problem<'a>, spline: Spline) -> Self {
+        let n = spline.n_points;
+        let mut search = Self {
+            problem,
+            spline,
+            limit_price: 0.0,
+            points: vec![DVec3::ZERO; n],
+            intervals: Vec::new(),
+            active: vec![true; n],
+            damping: vec![0.0; n],
+        };
+        search.intervals = search.looked_at(0..n - 3, &search.points);
+        search
+    }
+
+    /// Sets the price of overlong legs; points near them may have to move again.
+    fn set_limit_price(&mut self, price: f64) {
+        self.limit_price = price;
+        for interval in 0..self.intervals.len() {
+            if self.intervals[interval].any_long {
+                self.intervals[interval] = self.interval(interval, &self.points, 0);
+                self.activate(interval..interval + 4);
+            }
         }
     }
-    offsets
+
+    fn activate(&mut self, points: Range<usize>) {
+        let end = (points.end + MARGIN).min(self.active.len());
+        self.active[points.start.saturating_sub(MARGIN)..end].fill(true);
+    }
+
+    /// Moves all active points once; returns whether any is still active.
+    fn step(&mut self) -> bool {
+        let runs: Vec<Range<usize>> = runs(&self.active);
+        self.active.fill(false);
+        for run in &runs {
+            self.step_run(run.clone());
+        }
+        !runs.is_empty()
+    }
+
+    /// Moves a run of points to where its springs are at rest, unless that raises the cost.
+    fn step_run(&mut self, run: Range<usize>) {
+        let touched = run.start.saturating_sub(3)..run.end.min(self.intervals.len());
+        let damping = self.damping[run.clone()].iter().copied().fold(0.0, f64::max);
+        let steps = self.rest(run.clone(), touched.clone(), damping * self.spline.knot_secs());
+        let accuracy = STEP_ACCURACY * self.problem.wishes[0][0].length;
+        let moved = |step: &DVec3| step.length_squared() > accuracy * accuracy;
+
+        // The points that the touched intervals see, moved.
+        let seen = touched.start..(touched.end + 3).min(self.points.len());
+        let mut points = self.points[seen.clone()].to_vec();
+        for (point, step) in points[run.start - seen.start..].iter_mut().zip(&steps) {
+            *point += *step;
+        }
+        let intervals: Vec<Interval> =
+            touched.clone().map(|interval| self.interval(interval, &points, seen.start)).collect();
+        let sum = |intervals: &[Interval]| intervals.iter().map(|i| i.sums.value).sum::<f64>();
+        let dt = self.problem.frame_time_secs;
+        let was = dt * sum(&self.intervals[touched.clone()]) + self.spline.roughness(&self.points[seen.clone()]);
+        let is = dt * sum(&intervals) + self.spline.roughness(&points);
+        if is > was * (1.0 + COST_ACCURACY) {
+            if steps.iter().any(moved) {
+                self.damping[run.clone()].fill(FIRST_DAMPING.max(4.0 * damping));
+                self.active[run].fill(true);
+            }
+            return;
+        }
+        self.damping[run.clone()].fill(if damping > FIRST_DAMPING { 0.25 * damping } else { 0.0 });
+        self.points[seen].copy_from_slice(&points);
+        self.intervals.splice(touched, intervals);
+        for (point, _) in (run.start..).zip(&steps).filter(|(_, step)| moved(step)) {
+            self.activate(point..point + 1);
+        }
+    }
+
+    /// Returns the steps that take a run of points to where the springs are at rest, all other points held.
+    fn rest(&self, run: Range<usize>, touched: Range<usize>, damping: f64) -> Vec<DVec3> {
+        let mut equations = Equations::new(run);
+        for interval in touched.clone() {
+            equations.add(interval, &self.intervals[interval].sums, self.problem.frame_time_secs);
+            equations.add_smoothness(interval, &self.points, self.spline.smoothness());
+        }
+        equations.solved(damping)
+    }
+
+    /// Looks at the frames of some intervals.
+    fn looked_at(&self, intervals: Range<usize>, points: &[DVec3]) -> Vec<Interval> {
+        intervals.map(|interval| self.interval(interval, points, 0)).collect()
+    }
+
+    /// Looks at the frames of one interval; `points` begin with control point `from`.
+    fn interval(&self, interval: usize, points: &[DVec3], from: usize) -> Interval {
+        let spline = &self.spline;
+        let four = &points[interval - from..][..4];
+        let first = interval * spline.interval;
+        let mut found = Interval::default();
+        for (phase, frame) in (first..(first + spline.interval).min(spline.n_frames)).enumerate() {
+            let basis = &spline.basis[phase];
+            let offset = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
+            // Wishes are smooth and looked at now and then; limits are not.
+            let is_sample = phase.is_multiple_of(spline.stride);
+            let is_long = self.problem.wishes.iter().any(|leg| leg[frame].is_long(offset));
+            if !is_sample && !is_long {
+                continue;
+            }
+            let mut at = Cost::default();
+            if is_sample {
+                let share = spline.stride as f64;
+                self.problem.wishes.iter().for_each(|leg| leg[frame].add_knee(offset, share, &mut at));
+                at.add_offset(offset, self.problem.height, share);
+            }
+            if is_long {
+                found.any_long = true;
+                let long = self.problem.wishes.iter().map(|leg| &leg[frame]).filter(|wish| wish.is_long(offset));
+                long.for_each(|wish| wish.add_limit(offset, self.limit_price, &mut at));
+            }
+            found.sums.add(&at, basis);
+        }
+        found
+    }
+}
+
+/// Returns the runs of true values.
+fn runs(values: &[bool]) -> Vec<Range<usize>> {
+    let mut at = 0;
+    let mut runs = Vec::new();
+    for run in values.chunk_by(|a, b| a == b) {
+        if run[0] {
+            runs.push(at..at + run.len());
+        }
+        at += run.len();
+    }
+    runs
 }
 
 /// A cubic B-spline with a knot every few frames.
 struct Spline {
     n_frames: usize,
+    frame_time_secs: f64,
     /// Frames from one that is looked at to the next.
     stride: usize,
     /// Frames from knot to knot, a multiple of the stride.
@@ -87,148 +239,144 @@ struct Spline {
     basis: Vec<[f64; 4]>,
 }
 
+/// Third difference of four control points.
+const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
+
 impl Spline {
     fn new(n_frames: usize, frame_time_secs: f64) -> Self {
         let stride = (SAMPLE_SECS / frame_time_secs).floor().max(1.0) as usize;
         let interval = stride * (KNOT_SECS / (stride as f64 * frame_time_secs)).round().max(1.0) as usize;
         let basis = (0..interval).map(|phase| basis(phase as f64 / interval as f64)).collect();
-        Self { n_frames, stride, interval, n_points: (n_frames - 1) / interval + 4, basis }
+        Self { n_frames, frame_time_secs, stride, interval, n_points: (n_frames - 1) / interval + 4, basis }
     }
 
-    /// Sets up the normal equations, linear about the offsets as they are.
-    fn equations(
-        &self,
-        wishes: &[Vec<Wish>],
-        offsets: &[DVec3],
-        limit_price: f64,
-        frame_time_secs: f64,
-    ) -> (Banded<WIDTH>, Vec<f64>) {
-        let mut matrix = Banded::<WIDTH>::zeros(3 * self.n_points);
-        let mut rhs = vec![0.0; 3 * self.n_points];
-        for (interval, first) in (0..self.n_frames).step_by(self.interval).enumerate() {
-            let mut pairs = [[0.0; 6]; 10];
-            let mut sums = [DVec3::ZERO; 4];
-            for frame in first..(first + self.interval).min(self.n_frames) {
-                // Wishes are smooth and looked at now and then; limits are not.
-                let share = if (frame - first).is_multiple_of(self.stride) { self.stride as f64 } else { 0.0 };
-                let (mut square, mut pull) = ([0.0; 6], DVec3::ZERO);
-                let mut asked = false;
-                for leg in wishes {
-                    asked |= leg[frame].add_to(offsets[frame], share, limit_price, &mut square, &mut pull);
-                }
-                if !asked {
-                    continue;
-                }
-                let basis = &self.basis[frame - first];
-                let mut pair = 0;
-                for k in 0..4 {
-                    sums[k] += basis[k] * pull;
-                    for l in 0..=k {
-                        let product = basis[k] * basis[l];
-                        for (sum, value) in pairs[pair].iter_mut().zip(&square) {
-                            *sum += product * value;
-                        }
-                        pair += 1;
-                    }
-                }
-            }
-            scatter(interval, &pairs, &sums, frame_time_secs, &mut matrix, &mut rhs);
-        }
-        self.add_smoothness(self.interval as f64 * frame_time_secs, &mut matrix);
-        (matrix, rhs)
+    fn knot_secs(&self) -> f64 {
+        self.interval as f64 * self.frame_time_secs
     }
 
-    fn add_smoothness(&self, knot_secs: f64, matrix: &mut Banded<WIDTH>) {
-        const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
-        let price = SMOOTHNESS / knot_secs.powi(5);
-        for first in 0..self.n_points - 3 {
-            for (k, row_share) in THIRD.into_iter().enumerate() {
-                for (l, column_share) in THIRD.into_iter().enumerate().take(k + 1) {
-                    for axis in 0..3 {
-                        let (row, column) = (3 * (first + k) + axis, 3 * (first + l) + axis);
-                        matrix.add(row, column, price * row_share * column_share);
-                    }
-                }
-            }
-        }
-        for row in 0..3 * self.n_points {
-            matrix.add(row, row, NEARNESS * knot_secs);
-        }
+    /// Returns the price of a third difference squared.
+    fn smoothness(&self) -> f64 {
+        SMOOTHNESS / self.knot_secs().powi(5)
     }
 
-    /// Evaluates the spline at every frame; returns the largest change.
-    fn fill(&self, points: &[f64], offsets: &mut [DVec3]) -> f64 {
-        let mut moved = 0.0f64;
-        for (interval, frames) in offsets.chunks_mut(self.interval).enumerate() {
-            let point = |k: usize| DVec3::from_slice(&points[3 * (interval + k)..]);
-            let four = [point(0), point(1), point(2), point(3)];
-            for (offset, basis) in frames.iter_mut().zip(&self.basis) {
-                let now = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
-                moved = moved.max(now.distance_squared(*offset));
-                *offset = now;
-            }
+    /// Returns the price of control points not being smooth.
+    fn roughness(&self, points: &[DVec3]) -> f64 {
+        self.smoothness() * points.windows(4).map(|four| third(four).length_squared()).sum::<f64>()
+    }
+
+    /// Evaluates the spline at every frame.
+    fn at_frames(&self, points: &[DVec3]) -> Vec<DVec3> {
+        let mut offsets = Vec::with_capacity(self.n_frames + self.interval);
+        for four in points.windows(4) {
+            offsets
+                .extend(self.basis.iter().map(|b| four[0] * b[0] + four[1] * b[1] + four[2] * b[2] + four[3] * b[3]));
         }
-        moved.sqrt()
+        offsets.truncate(self.n_frames);
+        offsets
     }
 }
 
-impl Wish {
-    /// Adds this wish, linear about an offset, to the normal equations of one frame, and tells whether there is one.
-    ///
-    /// `share` multiplies the wish to keep the reach, not the limit.
-    fn add_to(&self, offset: DVec3, share: f64, limit_price: f64, square: &mut [f64; 6], pull: &mut DVec3) -> bool {
-        let leg = self.leg + offset;
-        let bound = self.limit * (1.0 - 2.0 * LIMIT_MARGIN);
-        let length_squared = leg.length_squared();
-        let is_long = length_squared > bound * bound;
-        if !is_long && share == 0.0 {
-            return false;
+fn third(four: &[DVec3]) -> DVec3 {
+    four[0] * THIRD[0] + four[1] * THIRD[1] + four[2] * THIRD[2] + four[3] * THIRD[3]
+}
+
+/// What the frames from one knot to the next ask.
+#[derive(Default)]
+struct Interval {
+    sums: Sums,
+    any_long: bool,
+}
+
+/// What the frames of one interval add up to, as seen by its four control points.
+#[derive(Default)]
+struct Sums {
+    value: f64,
+    force: [DVec3; 4],
+    /// By pair of control points, the second one not after the first.
+    stiffness: [[f64; 6]; 10],
+}
+
+impl Sums {
+    fn add(&mut self, cost: &Cost, basis: &[f64; 4]) {
+        self.value += cost.value;
+        let mut pair = 0;
+        for k in 0..4 {
+            self.force[k] += basis[k] * cost.force;
+            for l in 0..=k {
+                let product = basis[k] * basis[l];
+                for (sum, value) in self.stiffness[pair].iter_mut().zip(&cost.stiffness) {
+                    *sum += product * value;
+                }
+                pair += 1;
+            }
         }
-        let length = length_squared.sqrt();
-        let along = leg / length.max(1e-9 * self.reach.max(f64::MIN_POSITIVE));
-        let mut weight = share * self.weight;
-        let mut wanted = weight * self.reach;
-        if is_long {
-            weight += limit_price;
-            wanted += limit_price * self.limit * (1.0 - LIMIT_MARGIN);
-        }
-        let scaled = along * weight;
-        square[0] += scaled.x * along.x;
-        square[1] += scaled.y * along.x;
-        square[2] += scaled.y * along.y;
-        square[3] += scaled.z * along.x;
-        square[4] += scaled.z * along.y;
-        square[5] += scaled.z * along.z;
-        *pull += along * (weight * (along.dot(offset) - length) + wanted);
-        true
     }
 }
 
-/// Adds what one interval's frames ask to the equations of its four control points.
-fn scatter(
-    interval: usize,
-    pairs: &[[f64; 6]; 10],
-    sums: &[DVec3; 4],
-    scale: f64,
-    matrix: &mut Banded<WIDTH>,
-    rhs: &mut [f64],
-) {
-    /// Where element (row, column) of a symmetric 3 × 3 matrix is.
-    const AT: [[usize; 3]; 3] = [[0, 1, 3], [1, 2, 4], [3, 4, 5]];
-    let mut pair = 0;
-    for k in 0..4 {
-        for l in 0..=k {
-            for axis in 0..3 {
-                let row = 3 * (interval + k) + axis;
-                for other in 0..if l == k { axis + 1 } else { 3 } {
-                    matrix.add(row, 3 * (interval + l) + other, scale * pairs[pair][AT[axis][other]]);
+/// The springs' equations for a run of control points.
+struct Equations {
+    run: Range<usize>,
+    stiffness: Banded<WIDTH>,
+    force: Vec<f64>,
+}
+
+impl Equations {
+    fn new(run: Range<usize>) -> Self {
+        let n = 3 * run.len();
+        Self { run, stiffness: Banded::zeros(n), force: vec![0.0; n] }
+    }
+
+    /// Returns the row of a control point's first axis; none for a point that is held.
+    fn row(&self, point: usize) -> Option<usize> {
+        self.run.contains(&point).then(|| 3 * (point - self.run.start))
+    }
+
+    /// Adds what the frames of an interval ask.
+    fn add(&mut self, interval: usize, sums: &Sums, scale: f64) {
+        /// Where element (row, column) of a symmetric 3 × 3 matrix is.
+        const AT: [[usize; 3]; 3] = [[0, 1, 3], [1, 2, 4], [3, 4, 5]];
+        for k in 0..4 {
+            let Some(row) = self.row(interval + k) else { continue };
+            for l in 0..=k {
+                let Some(column) = self.row(interval + l) else { continue };
+                let square = &sums.stiffness[k * (k + 1) / 2 + l];
+                for (axis, at) in AT.iter().enumerate() {
+                    let n_columns = if l == k { axis + 1 } else { 3 };
+                    for (other, &at) in at[..n_columns].iter().enumerate() {
+                        self.stiffness.add(row + axis, column + other, scale * square[at]);
+                    }
                 }
             }
-            pair += 1;
+            for (force, sum) in self.force[row..row + 3].iter_mut().zip(sums.force[k].to_array()) {
+                *force += scale * sum;
+            }
         }
-        for axis in 0..3 {
-            rhs[3 * (interval + k) + axis] += scale * sums[k][axis];
+    }
+
+    /// Adds what smoothness asks of an interval's control points.
+    fn add_smoothness(&mut self, interval: usize, points: &[DVec3], price: f64) {
+        let third = third(&points[interval..][..4]).to_array();
+        for (k, row_share) in THIRD.into_iter().enumerate() {
+            let Some(row) = self.row(interval + k) else { continue };
+            for (force, third) in self.force[row..].iter_mut().zip(third) {
+                *force -= price * row_share * third;
+            }
+            for (l, column_share) in THIRD.into_iter().enumerate().take(k + 1) {
+                let Some(column) = self.row(interval + l) else { continue };
+                for axis in 0..3 {
+                    self.stiffness.add(row + axis, column + axis, price * row_share * column_share);
+                }
+            }
         }
+    }
+
+    /// Solves for the steps of the run's points.
+    fn solved(mut self, damping: f64) -> Vec<DVec3> {
+        if damping > 0.0 {
+            (0..self.force.len()).for_each(|row| self.stiffness.add(row, row, damping));
+        }
+        self.stiffness.solve(&mut self.force);
+        self.force.chunks_exact(3).map(DVec3::from_slice).collect()
     }
 }
 
@@ -245,28 +393,39 @@ mod tests {
     const DT: f64 = 1.0 / 60.0;
 
     fn wish(leg: DVec3, reach: f64, limit: f64) -> Wish {
-        Wish { leg, reach, weight: 10.0, limit }
+        Wish { leg, moves: DVec3::ONE, reach, length: 0.91, weight: 1.0, limit }
+    }
+
+    fn offsets(legs: &[&[Wish]]) -> Vec<DVec3> {
+        Problem { wishes: legs, frame_time_secs: DT, height: 1.7 }.offsets()
     }
 
     #[test]
     fn legs_that_are_right_move_nothing() {
-        let legs = vec![vec![wish(DVec3::new(0.1, 0.8, 0.0), DVec3::new(0.1, 0.8, 0.0).length(), 0.9); 100]; 2];
-        assert!(offsets(&legs, DT).iter().all(|o| o.length() < 1e-12));
-        assert!(offsets(&[], DT).is_empty());
-        assert_eq!(offsets(&legs.iter().map(|l| l[..1].to_vec()).collect::<Vec<_>>(), DT).len(), 1);
+        let leg = [wish(DVec3::new(0.1, 0.8, 0.0), DVec3::new(0.1, 0.8, 0.0).length(), 0.9); 100];
+        assert!(offsets(&[&leg, &leg]).iter().all(|o| o.length() < 1e-12));
+        assert!(offsets(&[]).is_empty());
+        assert_eq!(offsets(&[&leg[..1], &leg[..1]]).len(), 1);
     }
 
     #[test]
     fn an_overlong_leg_is_brought_within_its_limit_smoothly() {
         let long = |f: usize| if (40..60).contains(&f) { 0.03 } else { 0.0 };
         let leg: Vec<Wish> = (0..100).map(|f| wish(DVec3::new(0.0, 0.88 + long(f), 0.1), 0.88, 0.9)).collect();
-        let found = offsets(std::slice::from_ref(&leg), DT);
+        let found = offsets(&[&leg]);
         for (wish, offset) in leg.iter().zip(&found) {
             assert!((wish.leg + offset).length() <= wish.limit, "{}", (wish.leg + offset).length());
         }
         let jerk = |w: &[DVec3]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).length();
         assert!(found.windows(4).map(jerk).fold(0.0, f64::max) < 0.005);
-        assert!(found[0].length() < 0.005 && found[99].length() < 0.005, "it ends with its cause");
+        let ends = found[0].length().max(found[99].length());
+        assert!(ends < 0.25 * found[50].length(), "it ends with its cause: {ends} {}", found[50].length());
+    }
+
+    #[test]
+    fn a_foot_that_follows_asks_nothing() {
+        let leg = [Wish { moves: DVec3::ZERO, ..wish(DVec3::new(0.0, 0.7, 0.0), 0.8, f64::INFINITY) }; 50];
+        assert!(offsets(&[&leg]).iter().all(|o| o.length() < 1e-12));
     }
 
     #[test]

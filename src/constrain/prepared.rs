@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
+use super::feet::smootherstep;
 use crate::{
     contact::{FootPlants, Plant, PlantMode},
     math::Rigid,
@@ -12,6 +13,9 @@ use crate::{
 /// Weight of a leg's usual hinge against the one its bend shows, as the sine of a bend: a knee bent less than this
 /// takes the usual one.
 const USUAL_HINGE: f64 = 0.05;
+
+/// Time before and after a clean plant over which the foot comes to rest and sets off, seconds.
+const REST_SECS: f64 = 0.1;
 
 /// A leg shorter than this share of the body height is none.
 const SHORTEST_LEG: f64 = 1e-3;
@@ -39,9 +43,8 @@ pub(super) struct PreparedLeg {
 #[derive(Clone, Debug)]
 pub(super) struct PreparedPlant {
     pub(super) plant: Plant,
-    /// Taken off the foot at each frame of the plant so that it stands still, world, horizontal; empty when its own
-    /// slide is kept.
-    pub(super) slide: Vec<DVec3>,
+    /// Taken off the foot so that it stands still; nothing when its own slide is kept.
+    slide: Slide,
     /// Mean place of the foot, world.
     pub(super) foot: DVec3,
 }
@@ -101,7 +104,8 @@ impl Prepared {
             set_hinges(&mut leg.frames);
             leg.plants = (foot.plants.iter())
                 .filter(|plant| plant.first < n_frames)
-                .map(|&plant| PreparedPlant::new(Plant { last: plant.last.min(n_frames - 1), ..plant }, &leg.frames))
+                .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
+                .map(|plant| PreparedPlant::new(plant, &leg.frames, clip.frame_time_secs))
                 .collect();
         }
         legs.retain(|leg| !leg.plants.is_empty() && leg.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
@@ -185,24 +189,56 @@ fn set_hinges(frames: &mut [LegFrame]) {
 }
 
 impl PreparedPlant {
-    fn new(plant: Plant, frames: &[LegFrame]) -> Self {
+    fn new(plant: Plant, frames: &[LegFrame], frame_time_secs: f64) -> Self {
         let stands = &frames[plant.first..=plant.last];
         let sum: DVec3 = stands.iter().map(|f| 0.5 * (f.ankle_world.translation + f.toe_world)).sum();
-        let slide = if plant.mode == PlantMode::Clean { slide(stands) } else { Vec::new() };
+        let clean = plant.mode == PlantMode::Clean;
+        let slide = if clean { Slide::new(&plant, frames, frame_time_secs) } else { Slide::default() };
         Self { plant, slide, foot: sum / stands.len() as f64 }
+    }
+
+    /// Returns how far the foot has slid at a frame, also outside the plant; 0 when its own slide is kept.
+    pub(super) fn slid(&self, frame: usize) -> DVec3 {
+        let Slide { first, slid } = &self.slide;
+        slid.get(frame.saturating_sub(*first)).or(slid.last()).copied().unwrap_or(DVec3::ZERO)
     }
 }
 
-/// Returns how far the contact point, ankle or toe, whichever moves less in each step, has slid; 0 in the mean.
-fn slide(stands: &[LegFrame]) -> Vec<DVec3> {
-    let flat = |v: DVec3| DVec3 { y: 0.0, ..v };
-    let mut slid = vec![DVec3::ZERO];
-    for pair in stands.windows(2) {
-        let ankle = flat(pair[1].ankle_world.translation - pair[0].ankle_world.translation);
-        let toe = flat(pair[1].toe_world - pair[0].toe_world);
-        let step = if toe.length_squared() < ankle.length_squared() { toe } else { ankle };
-        slid.push(slid[slid.len() - 1] + step);
+/// How far the contact point, ankle or toe, whichever moves less in each step, has slid: world, horizontal, 0 in the
+/// mean over the plant.
+///
+/// It goes on for a moment before and after the plant, ever less of it, so that the foot comes to rest and sets off
+/// smoothly.
+#[derive(Clone, Debug, Default)]
+struct Slide {
+    /// Frame of the first value; before it that one holds, after the last one the last.
+    first: usize,
+    slid: Vec<DVec3>,
+}
+
+impl Slide {
+    fn new(plant: &Plant, frames: &[LegFrame], frame_time_secs: f64) -> Self {
+        let rest = (REST_SECS / frame_time_secs).ceil().max(1.0);
+        let first = plant.first.saturating_sub(rest as usize);
+        let last = (plant.last + rest as usize).min(frames.len() - 1);
+        let mut slid = vec![DVec3::ZERO];
+        for to in first + 1..=last {
+            // Outside the plant, what its first or last step was.
+            let like = if plant.first < plant.last { to.clamp(plant.first + 1, plant.last) } else { to };
+            let share = 1.0 - smootherstep(to.abs_diff(like) as f64 / rest);
+            slid.push(slid[slid.len() - 1] + share * contact_step(&frames[like - 1], &frames[like]));
+        }
+        let stands = &slid[plant.first - first..=plant.last - first];
+        let mean = stands.iter().sum::<DVec3>() / stands.len() as f64;
+        slid.iter_mut().for_each(|s| *s -= mean);
+        Self { first, slid }
     }
-    let mean = slid.iter().sum::<DVec3>() / slid.len() as f64;
-    slid.iter().map(|&s| s - mean).collect()
+}
+
+/// Returns the horizontal step of the contact point.
+fn contact_step(from: &LegFrame, to: &LegFrame) -> DVec3 {
+    let flat = |v: DVec3| DVec3 { y: 0.0, ..v };
+    let ankle = flat(to.ankle_world.translation - from.ankle_world.translation);
+    let toe = flat(to.toe_world - from.toe_world);
+    if toe.length_squared() < ankle.length_squared() { toe } else { ankle }
 }

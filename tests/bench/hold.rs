@@ -1,7 +1,7 @@
 //! How well feet are held, and how fast: `cargo bench --bench hold [-- PART OF A CLIP'S NAME]`.
 //!
 //! One row per clip and shape, for the degrees 5 and 13 of the original path: plain path editing, held, and held with
-//! the feet's own slide removed. Ratios are over the source. Captured clips are found through `WALKABOUT_CLIPS`.
+//! the feet's own slide removed; then the time that longer clips take. Ratios are over the source. Captured clips are found through `WALKABOUT_CLIPS`.
 
 #[path = "../hold_numbers/mod.rs"]
 #[allow(dead_code, reason = "shared by two programs; neither uses all of it")]
@@ -11,8 +11,11 @@ use std::time::Instant;
 
 use hold_numbers::{Numbers, Plain, SHAPES, Subject, measure};
 use walkabout::{
+    bvh::Bvh,
     constrain::{Ground, Prepared, hold},
     contact::PlantMode,
+    motion::gait,
+    path::ShapeKind,
 };
 
 const CLIPS: [&str; 9] = [
@@ -36,7 +39,7 @@ fn main() {
         Err(_) => println!("WALKABOUT_CLIPS is not set: the built-in clip only"),
     }
     println!(
-        "{:<28}{:>3} {:<7}{:<6}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>8}{:>7}{:>5}{:>8}{:>8}",
+        "{:<28}{:>3} {:<7}{:<6}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>8}{:>7}{:>5}{:>8}{:>6}{:>8}{:>8}",
         "clip",
         "deg",
         "shape",
@@ -52,9 +55,11 @@ fn main() {
         "offset",
         "miss",
         "by",
+        "end",
+        "turn",
         "µs"
     );
-    let mut all: Vec<Numbers> = Vec::new();
+    let (mut held_rows, mut clean_rows): (Vec<Numbers>, Vec<Numbers>) = Default::default();
     for subject in subjects.iter().filter(|s| s.name.contains(&name_part)) {
         let kept = Prepared::new(&subject.clip, &subject.feet);
         let clean = Prepared::new(&subject.clip, &subject.with_mode(PlantMode::Clean));
@@ -76,26 +81,61 @@ fn main() {
                     let micros = begun.elapsed().as_secs_f64() * 1e6;
                     let numbers = measure(subject, &held);
                     row(what, &numbers, micros);
-                    if what == "held" {
-                        all.push(numbers);
-                    }
+                    if what == "held" { &mut held_rows } else { &mut clean_rows }.push(numbers);
                 }
             }
         }
     }
-    summary("planted speed", &all, |n| n.planted_speed);
-    summary("slip p90", &all, |n| n.slip);
-    summary("swing clearance", &all, |n| n.clearance);
-    summary("jerk", &all, |n| n.jerk);
-    summary("largest acceleration", &all, |n| n.acceleration);
-    summary("knee step, stretched", &all, |n| n.knee_step);
-    summary("offset", &all, |n| n.offset);
-    summary("missed by", &all, |n| n.missed_by);
+    for (what, all) in [("held", &held_rows), ("clean", &clean_rows)] {
+        println!("{what}");
+        summary("planted speed", all, |n| n.planted_speed);
+        summary("slip p90", all, |n| n.slip);
+        summary("swing clearance", all, |n| n.clearance);
+        summary("jerk", all, |n| n.jerk);
+        summary("largest acceleration", all, |n| n.acceleration);
+        summary("knee step, stretched", all, |n| n.knee_step);
+        summary("jump at plants' ends", all, |n| n.end_jump);
+        summary("turn in plants, rad", all, |n| n.foot_turn);
+        summary("offset", all, |n| n.offset);
+        summary("missed by", all, |n| n.missed_by);
+    }
+    for n_frames in [1_000, 10_000, 100_000] {
+        timed(n_frames);
+    }
+}
+
+/// Prints how long one edit takes of the built-in walk, walked again and again from where it ended.
+fn timed(n_frames: usize) {
+    let text = gait::built_in().0;
+    let (head, motion) = text.split_once("MOTION").expect("a BVH file");
+    let is_row = |row: &&str| row.starts_with(|c: char| c == '-' || c.is_ascii_digit());
+    let numbers = |row: &str| row.split_whitespace().map(|n| n.parse().expect("a number")).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = motion.lines().filter(is_row).map(numbers).collect();
+    let time = motion.lines().find(|line| line.starts_with("Frame Time")).expect("a BVH file");
+    let mut longer = format!("{head}MOTION\nFrames: {n_frames}\n{time}\n");
+    for frame in 0..n_frames {
+        let (time, row) = ((frame / rows.len()) as f64, &rows[frame % rows.len()]);
+        for (channel, value) in row.iter().enumerate() {
+            let gone = if channel < 3 { time * (rows[rows.len() - 1][channel] - rows[0][channel]) } else { 0.0 };
+            longer += &format!("{:.4} ", value + gone);
+        }
+        longer += "\n";
+    }
+    let subject = Subject::new("longer", &Bvh::parse(longer.into_bytes(), "longer").expect("a valid file"));
+    let plain = Plain::bent(&subject, ShapeKind::Circle, 13, 0.5);
+    let prepared = Prepared::new(&subject.clip, &subject.feet);
+    let mut fastest = f64::INFINITY;
+    for _ in 0..9 {
+        let begun = Instant::now();
+        std::hint::black_box(hold(&prepared, &plain.job(Ground::Steps)));
+        fastest = fastest.min(begun.elapsed().as_secs_f64());
+    }
+    println!("{} frames in {:.2} ms", subject.clip.n_frames(), 1e3 * fastest);
 }
 
 fn cells(n: &Numbers) -> String {
     format!(
-        "{:>7.3}{:>7.3}{:>7.3}{:>7.3}{:>7.2}{:>7.2}{:>7.1}{:>8.0e}{:>7.3}{:>5}{:>8.4}",
+        "{:>7.3}{:>7.3}{:>7.3}{:>7.3}{:>7.2}{:>7.2}{:>7.1}{:>8.0e}{:>7.3}{:>5}{:>8.4}{:>6.2}{:>8.0e}",
         n.planted_speed,
         n.slip,
         n.clearance,
@@ -106,7 +146,9 @@ fn cells(n: &Numbers) -> String {
         n.bones,
         n.offset,
         n.n_missed,
-        n.missed_by
+        n.missed_by,
+        n.end_jump,
+        n.foot_turn
     )
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use walkabout::{
     bvh::Bvh,
     constrain::{Ground, Held, Job, Prepared, hold},
@@ -37,8 +37,12 @@ pub(crate) struct Numbers {
     pub(crate) clearance: f64,
     pub(crate) jerk: f64,
     pub(crate) acceleration: f64,
-    /// Largest step of a knee near full extension.
+    /// Largest step of a knee near full extension; over the source's largest there, or in the same step if that is more.
     pub(crate) knee_step: f64,
+    /// Largest change of a leg joint's turn from step to step where a plant begins or ends, over the clip's largest.
+    pub(crate) end_jump: f64,
+    /// Largest turn of a planted foot against the motion of its plant, radians.
+    pub(crate) foot_turn: f64,
     /// Least bend about the source's hinge, degrees; negative for a knee that bends backwards further than the source's.
     pub(crate) knee_back_deg: f64,
     /// Largest change of a bone's length, body heights.
@@ -175,6 +179,8 @@ pub(crate) fn measure(subject: &Subject, held: &Held) -> Numbers {
         jerk: jerk(&now, clip) / jerk(source, clip),
         acceleration: acceleration(&now, clip) / acceleration(source, clip),
         knee_step: 0.0,
+        end_jump: 0.0,
+        foot_turn: 0.0,
         knee_back_deg: f64::INFINITY,
         bones: bones(subject, &now) / height,
         offset: held.largest_offset / height,
@@ -200,39 +206,89 @@ pub(crate) fn measure(subject: &Subject, held: &Held) -> Numbers {
         if let Some(clearance) = found.clearance {
             numbers.clearance = numbers.clearance.min(clearance.edited / clearance.source);
         }
-        let (was, is) = (Knee::of(source, foot), Knee::of(&now, foot));
-        numbers.knee_step = numbers.knee_step.max(is.largest_step(&was) / was.largest_step(&was));
+        let (was, is) = (Knee::of(source, foot, 0.95), Knee::of(&now, foot, 0.97));
+        numbers.knee_step = numbers.knee_step.max(is.largest_step_over(&was));
+        numbers.end_jump = numbers.end_jump.max(end_jump(&edited, foot));
+        numbers.foot_turn = numbers.foot_turn.max(foot_turn(&edited, foot));
         numbers.knee_back_deg = numbers.knee_back_deg.min(knee_back(&edited, foot).to_degrees());
     }
     numbers
 }
 
-/// Bends of a knee and how far the leg is stretched.
+/// Bends of a knee and where the leg is stretched beyond a share of its length.
 struct Knee {
     bend: Vec<f64>,
     stretched: Vec<bool>,
 }
 
 impl Knee {
-    fn of(tracks: &PointTracks, foot: &FootPlants) -> Self {
+    fn of(tracks: &PointTracks, foot: &FootPlants, share: f64) -> Self {
         let at = |joint: usize, f| tracks.position(joint, f);
         let (mut bend, mut stretched) = (Vec::new(), Vec::new());
         for f in 0..tracks.n_frames() {
             let (hip, knee, ankle) =
                 (at(foot.leg.hip.idx(), f), at(foot.leg.knee.idx(), f), at(foot.leg.ankle.idx(), f));
             bend.push((knee - hip).angle_between(ankle - knee));
-            stretched.push(hip.distance(ankle) > 0.97 * (hip.distance(knee) + knee.distance(ankle)));
+            stretched.push(hip.distance(ankle) > share * (hip.distance(knee) + knee.distance(ankle)));
         }
         Self { bend, stretched }
     }
 
-    /// Largest step among frames near full extension, here or in the source.
-    fn largest_step(&self, source: &Self) -> f64 {
-        (1..self.bend.len())
-            .filter(|&f| self.stretched[f] || source.stretched[f])
-            .map(|f| (self.bend[f] - self.bend[f - 1]).abs())
-            .fold(1e-9, f64::max)
+    /// Largest step among frames near full extension here, over the source's largest near full extension or, where that
+    /// is more, over the source's own step.
+    fn largest_step_over(&self, source: &Self) -> f64 {
+        let step = |knee: &Self, f: usize| (knee.bend[f] - knee.bend[f - 1]).abs();
+        let frames = 1..self.bend.len();
+        let usual = frames.clone().filter(|&f| source.stretched[f]).map(|f| step(source, f)).fold(1e-9, f64::max);
+        frames.filter(|&f| self.stretched[f]).map(|f| step(self, f) / usual.max(step(source, f))).fold(0.0, f64::max)
     }
+}
+
+/// Returns the largest change from one step of a leg joint's rotation to the next, at the ends of plants, over the
+/// largest in the whole source.
+fn end_jump(edited: &EditedClip, foot: &FootPlants) -> f64 {
+    let n = edited.n_frames();
+    let mut worst = 0.0f64;
+    for joint in [foot.leg.hip, foot.leg.knee, foot.leg.ankle] {
+        let change = |rotation: &dyn Fn(usize) -> DQuat, f: usize| {
+            let step = |f: usize| turn(rotation(f - 1).conjugate() * rotation(f));
+            (step(f + 1) - step(f)).length()
+        };
+        let was = |f: usize| edited.clip.rotations(f)[joint.idx()];
+        let is = |f: usize| edited.rotation(f, joint);
+        let usual = (1..n - 1).map(|f| change(&was, f)).fold(1e-9, f64::max);
+        // Where the clip begins and ends, a plant only seems to.
+        for end in foot.plants.iter().flat_map(|p| [p.first, p.last]).filter(|&end| end > 2 && end + 3 < n) {
+            for f in end - 1..=end + 1 {
+                worst = worst.max(change(&is, f) / usual);
+            }
+        }
+    }
+    worst
+}
+
+/// Returns the largest turn of a planted foot against the motion that its plant has at its first frame.
+fn foot_turn(edited: &EditedClip, foot: &FootPlants) -> f64 {
+    let (mut was, mut is) = (Vec::new(), Vec::new());
+    let mut motion = |f: usize| {
+        edited.clip.world_rigids(f, &mut was);
+        edited.world_rigids(f, &mut is);
+        let ankle = foot.leg.ankle.idx();
+        is[ankle].rotation * was[ankle].rotation.conjugate()
+    };
+    let mut worst = 0.0f64;
+    for plant in &foot.plants {
+        let first = motion(plant.first);
+        for f in plant.first..=plant.last {
+            worst = worst.max(turn(first.conjugate() * motion(f)).length());
+        }
+    }
+    worst
+}
+
+/// Returns a rotation as a vector, for small ones axis times angle.
+fn turn(rotation: DQuat) -> DVec3 {
+    2.0 * rotation.xyz() * rotation.w.signum()
 }
 
 /// Returns the least bend about the source's mean hinge in the thigh's space, where the source bends forwards.

@@ -1,0 +1,170 @@
+//! What an offset of the carrier costs at one frame, with the derivatives that the search for the least cost needs.
+//!
+//! Each cost is a spring along one direction: its force is the slope of half the cost, and its stiffness along and
+//! across that direction is never negative, so that the sum of all springs has one least point.
+
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+use glam::DVec3;
+
+/// Price of the offset itself.
+const NEARNESS: f64 = 0.2;
+
+/// Price of an offset's excess over [`MOST_OFFSET`].
+const FAR_PRICE: f64 = 30.0;
+
+/// An offset up to this share of the body height costs little.
+const MOST_OFFSET: f64 = 0.045;
+
+/// How far within its limit an overlong leg is brought, share of the limit.
+const LIMIT_MARGIN: f64 = 2e-4;
+
+/// Added to the share by which a leg is short of straight, so that no knee turns infinitely fast.
+const STRAIGHT: f64 = 2e-3;
+
+/// What one leg asks of the carrier at one frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wish {
+    /// From the ankle's target to the hip without offset, world.
+    pub(super) leg: DVec3,
+    /// Share of the offset that lengthens the leg, by axis: less than 1 where the foot follows.
+    pub(super) moves: DVec3,
+    /// Distance from hip to ankle to be kept.
+    pub(super) reach: f64,
+    /// Length of thigh and shin together.
+    pub(super) length: f64,
+    /// Price of turning the knee.
+    pub(super) weight: f64,
+    /// Distance not to be exceeded; infinite for a leg in swing.
+    pub(super) limit: f64,
+}
+
+/// Cost of the offset of one frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cost {
+    pub(super) value: f64,
+    /// Where it pulls the offset.
+    pub(super) force: DVec3,
+    /// xx, xy, yy, xz, yz, zz.
+    pub(super) stiffness: [f64; 6],
+}
+
+impl Cost {
+    /// Adds a spring; `force` is against the direction.
+    fn add(&mut self, direction: DVec3, stiffness: f64, across: f64, force: f64) {
+        let scaled = direction * (stiffness - across);
+        self.stiffness[0] += scaled.x * direction.x + across;
+        self.stiffness[1] += scaled.y * direction.x;
+        self.stiffness[2] += scaled.y * direction.y + across;
+        self.stiffness[3] += scaled.z * direction.x;
+        self.stiffness[4] += scaled.z * direction.y;
+        self.stiffness[5] += scaled.z * direction.z + across;
+        self.force -= direction * force;
+    }
+
+    /// Adds the price of an offset.
+    pub(super) fn add_offset(&mut self, offset: DVec3, height: f64, share: f64) {
+        let near = share * NEARNESS;
+        self.add(DVec3::ZERO, 0.0, near, 0.0);
+        self.force -= near * offset;
+        self.value += near * offset.length_squared();
+        let most = MOST_OFFSET * height;
+        if offset.length_squared() > most * most {
+            let far = share * FAR_PRICE;
+            let length = offset.length();
+            let excess = length - most;
+            self.add(offset / length, far, far * excess / length, far * excess);
+            self.value += far * excess * excess;
+        }
+    }
+}
+
+impl Wish {
+    /// Returns whether an offset makes the leg longer than it may be.
+    pub(super) fn is_long(&self, offset: DVec3) -> bool {
+        let bound = self.bound();
+        (self.leg + self.moves * offset).length_squared() > bound * bound
+    }
+
+    fn bound(&self) -> f64 {
+        self.limit * (1.0 - LIMIT_MARGIN)
+    }
+
+    /// Adds the price of turning the knee.
+    pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
+        let (along, length) = self.stretched(offset);
+        // A knee's bend is about twice the root of half the share by which its leg is short of straight.
+        let root = |d: f64| (1.0 - d / self.length + STRAIGHT).max(0.5 * STRAIGHT).sqrt();
+        let (was, is) = (root(self.reach), root(length));
+        let turn = SQRT_2 * self.length * (was - is);
+        let slope = FRAC_1_SQRT_2 / is;
+        let weight = share * self.weight;
+        let force = weight * slope * turn;
+        let across = self.moves.x * self.moves.x * force.max(0.0) / length;
+        cost.add(self.moves * along, weight * slope * slope, across, force);
+        cost.value += weight * turn * turn;
+    }
+
+    /// Adds the price of a leg that is too long.
+    pub(super) fn add_limit(&self, offset: DVec3, price: f64, cost: &mut Cost) {
+        let (along, length) = self.stretched(offset);
+        let excess = length - self.bound();
+        let across = self.moves.x * self.moves.x * price * excess / length;
+        cost.add(self.moves * along, price, across, price * excess);
+        cost.value += price * excess * excess;
+    }
+
+    /// Returns the leg's direction and length; a length of 0 is made a small one.
+    fn stretched(&self, offset: DVec3) -> (DVec3, f64) {
+        let leg = self.leg + self.moves * offset;
+        let length = leg.length().max(1e-9 * self.length);
+        (leg / length, length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OFFSET: DVec3 = DVec3::new(0.03, -0.02, 0.05);
+
+    fn wish() -> Wish {
+        let leg = DVec3::new(0.1, 0.85, -0.12);
+        Wish { leg, moves: DVec3::new(0.7, 0.9, 0.7), reach: 0.8, length: 0.9, weight: 0.6, limit: 0.82 }
+    }
+
+    /// Checks that the force is half the slope of the cost, downhill, by finite differences.
+    #[track_caller]
+    fn check(cost_at: impl Fn(DVec3) -> Cost) {
+        const STEP: f64 = 1e-6;
+        let force = cost_at(OFFSET).force;
+        for axis in DVec3::AXES {
+            let slope = (cost_at(OFFSET + STEP * axis).value - cost_at(OFFSET - STEP * axis).value) / (2.0 * STEP);
+            assert!((force.dot(axis) + 0.5 * slope).abs() < 1e-6 * (1.0 + slope.abs()), "{force} {slope}");
+        }
+    }
+
+    #[test]
+    fn forces_are_the_slopes_of_the_costs() {
+        let of = |add: &dyn Fn(&mut Cost)| {
+            let mut cost = Cost::default();
+            add(&mut cost);
+            cost
+        };
+        check(|o| of(&|c| wish().add_knee(o, 3.0, c)));
+        check(|o| of(&|c| wish().add_limit(o, 100.0, c)));
+        check(|o| of(&|c| c.add_offset(o, 1.0, 3.0)));
+        check(|o| of(&|c| c.add_offset(o, 100.0, 3.0)));
+    }
+
+    #[test]
+    fn a_leg_that_is_right_pulls_nowhere_and_a_leg_of_no_length_gives_no_nan() {
+        let right = Wish { reach: wish().leg.length(), ..wish() };
+        let mut cost = Cost::default();
+        right.add_knee(DVec3::ZERO, 1.0, &mut cost);
+        assert!(cost.force.length() < 1e-12 && cost.value < 1e-24);
+        let none = Wish { leg: DVec3::ZERO, ..wish() };
+        none.add_knee(DVec3::ZERO, 1.0, &mut cost);
+        assert!(cost.force.is_finite() && cost.stiffness.iter().all(|s| s.is_finite()));
+    }
+}
