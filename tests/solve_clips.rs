@@ -83,7 +83,9 @@ fn every_clip_walks_every_shape() {
                 let whole = !matches!(kind, ShapeKind::Chord) && !solved.original.goes_nowhere();
                 if whole {
                     let height = measures.height.edited / measures.height.source;
-                    assert!((height - 1.0).abs() < 1e-9, "{place}: {height}");
+                    // Held legs bend a little otherwise, so the lowest toe is not quite where it was.
+                    let slack = if solved.holding.is_some() { 0.03 } else { 1e-9 };
+                    assert!((height - 1.0).abs() < slack, "{place}: {height}");
                     assert_eq!(n, solved.clip.n_frames(), "{place}: as long as the original path");
                     let length = solved.new_path.length() / solved.original.length();
                     assert!((length - 1.0).abs() < 1e-9, "{place}: {length}");

@@ -29,6 +29,9 @@ const SHORTEST_SWING_SECS: f64 = 0.2;
 /// As long as all of them together are no longer than this, seconds.
 const LONGEST_GROUP_SECS: f64 = 2.5;
 
+/// On a ramp a foot does not tilt with a slope up to the first of these, and wholly from the second on: 3° and 6°.
+const TILTS_RAD: [f64; 2] = [0.052, 0.105];
+
 /// A foot's plan.
 pub(super) struct FootPlan {
     /// Where the foot should be at each frame.
@@ -195,9 +198,16 @@ fn motion_of(plants: &[PreparedPlant], frames: &[LegFrame], job: &Job, passage: 
     if job.ground == Ground::Ramp {
         let along = heading_rotation(heading / n);
         // A turn about X takes Z down, so a slope up is a negative one.
-        rotation = along * DQuat::from_rotation_x(-slope / n) * along.conjugate() * rotation;
+        rotation = along * DQuat::from_rotation_x(-tilt(slope / n)) * along.conjugate() * rotation;
     }
     Rigid::new(rotation, place - rotation * foot)
+}
+
+/// Returns how far a foot tilts where the path is steeper than the original one by this, radians: not at all for the
+/// little by which a fitted path rises and falls with the body on level ground.
+fn tilt(slope_rad: f64) -> f64 {
+    let [none, whole] = TILTS_RAD;
+    slope_rad * smootherstep((slope_rad.abs() - none) / (whole - none))
 }
 
 /// Goes from 0 to 1 over [0, 1] with no velocity and no acceleration at either end.
@@ -209,6 +219,13 @@ pub(super) fn smootherstep(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn feet_tilt_with_ramps_and_not_with_the_bob_of_a_body() {
+        assert_eq!((tilt(0.0), tilt(0.05), tilt(-0.05)), (0.0, 0.0, 0.0));
+        assert_eq!((tilt(0.2), tilt(-0.2)), (0.2, -0.2));
+        assert!(tilt(0.08) > 0.0 && tilt(0.08) < 0.08);
+    }
 
     #[test]
     fn a_swing_begins_and_ends_at_rest() {
