@@ -23,8 +23,11 @@ struct Number {
     /// A value below the bound fails; else one above it.
     at_least: bool,
     /// Its values, each with what it is of; none for one that cannot be measured.
-    values: fn(&Solved) -> Vec<(String, Option<f64>)>,
+    values: fn(&Solved) -> Vec<Value>,
 }
+
+/// What a value is of, and the value.
+type Value = (String, Option<f64>);
 
 impl PartialEq for Number {
     fn eq(&self, other: &Self) -> bool {
@@ -103,7 +106,7 @@ static NUMBERS: [Number; 10] = [
 ];
 
 /// Returns a number of every foot that stands.
-fn feet(solved: &Solved, number: impl Fn(&FootNumbers) -> Option<f64>) -> Vec<(String, Option<f64>)> {
+fn feet(solved: &Solved, number: impl Fn(&FootNumbers) -> Option<f64>) -> Vec<Value> {
     let feet = solved.feet.plants.iter().zip(solved.foot_numbers.iter()).filter(|(_, numbers)| numbers.plants > 0);
     feet.map(|(foot, numbers)| (solved.clip.skeleton.joint(foot.leg.ankle).name.clone(), number(numbers))).collect()
 }
@@ -148,7 +151,7 @@ impl Limit {
     pub(super) fn broken_by(&self, solved: &Solved) -> Vec<String> {
         let Number { name, at_least, .. } = self.number;
         let (word, bound) = (if *at_least { "less" } else { "more" }, self.bound);
-        let broken = |(of, value): (String, Option<f64>)| match value {
+        let broken = |(of, value): Value| match value {
             None => Some(format!("{name} of {of} cannot be measured")),
             Some(v) if (*at_least && v < bound) || (!at_least && v > bound) || v.is_nan() => {
                 Some(format!("{name} of {of} is {v:.4}, {word} than {bound}"))
