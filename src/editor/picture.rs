@@ -23,6 +23,8 @@ const CURVE_POINTS: usize = 400;
 /// Marks and trackers, body heights.
 const POINT_RADIUS: f64 = 0.035;
 const TRACKER_RADIUS: f64 = 0.06;
+/// Footprints that lie deeper in the ground, in body heights, are hidden by it.
+const SUNK: f64 = 0.06;
 /// Length of a footprint, body heights: about a person's.
 const FOOT_LENGTH: f64 = 0.15;
 
@@ -136,11 +138,18 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
 
 /// Where the feet stand.
 fn footprints(solved: &Solved) -> Vec<Footprint> {
-    let length = FOOT_LENGTH * solved.clip.facts.height.value;
+    let height = solved.clip.facts.height.value;
+    let length = FOOT_LENGTH * height;
+    let (show_ground, floor) = (solved.edits.view.show.ground, solved.clip.facts.floor);
+    // A path that lies a little lower than the body walked takes its feet into the ground, and their prints out of sight.
+    let seen = |place: DVec3| {
+        let sunk = show_ground && (floor - SUNK * height..floor).contains(&place.y);
+        if sunk { place.with_y(floor) } else { place }
+    };
     let print = |print: document::Footprint| Footprint {
         role: if print.missed_by.is_some() { Role::MissedFootprint } else { Role::Footprint },
         foot: solved.feet.plants[print.foot_idx].leg.side,
-        at: print.place,
+        at: seen(print.place),
         heading_rad: print.heading_rad,
         length,
     };
