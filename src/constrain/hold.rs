@@ -8,10 +8,9 @@ use super::{
     feet::{self, FootPlan, smootherstep},
     offset::{Wish, offsets},
     prepared::{LegFrame, PreparedLeg},
-    two_bone::TwoBone,
 };
 use crate::{
-    math::{Rigid, twist_rad},
+    math::{Rigid, TwoBone, twist_rad},
     motion::TurnedJoint,
     path::PathFrame,
 };

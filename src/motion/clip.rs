@@ -7,6 +7,7 @@ use std::ops::Range;
 use glam::{DQuat, DVec3};
 
 use super::{
+    angles::{Angles, RotationOrder},
     facts::Facts,
     kinematics::{self, Walk},
     poses::Poses,
@@ -30,8 +31,7 @@ pub struct Clip {
     pub warnings: Vec<String>,
     /// Rest frames included. Invariant: more frames than `facts.rest_frames`.
     pub(super) poses: Poses,
-    /// By joint: one rotation channel about each axis.
-    pub(super) turns_freely: Vec<bool>,
+    pub(super) angles: Angles,
 }
 
 impl Clip {
@@ -57,7 +57,25 @@ impl Clip {
 
     /// Tells whether the file can give a joint any rotation: it has one channel about each axis.
     pub fn turns_freely(&self, joint_idx: usize) -> bool {
-        self.turns_freely[joint_idx]
+        self.angles.order(joint_idx).is_some()
+    }
+
+    /// Returns how a joint's three rotation channels turn it; none unless it [turns freely](Self::turns_freely).
+    pub fn rotation_order(&self, joint_idx: usize) -> Option<RotationOrder> {
+        self.angles.order(joint_idx)
+    }
+
+    /// Returns a joint's rotation channels at every frame, degrees, in the file's order and continuous over the frames.
+    ///
+    /// The first frame's are the file's own. From there on each frame has the file's values up to whole turns, or the
+    /// other triple of the same pose where the file changes from one to the other: values that follow one another can
+    /// be interpolated, filtered and added to.
+    ///
+    /// # Panics
+    ///
+    /// When the joint does not [turn freely](Self::turns_freely).
+    pub fn rotation_degrees(&self, joint_idx: usize) -> Vec<[f64; 3]> {
+        self.angles.degrees(joint_idx, self.rest_frames()..self.n_file_frames())
     }
 
     /// Returns the local rotations of all joints at a frame.
