@@ -45,7 +45,7 @@ impl Stack<'_> {
     ///
     /// # Panics
     ///
-    /// When the joint [cannot turn](super::can_turn).
+    /// When the joint does not [turn freely](crate::motion::Clip::turns_freely).
     pub fn rotation_here(&self, layer_idx: usize, joint: JointId, frame: usize) -> DQuat {
         let layer = &self.layers[layer_idx];
         let own = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx);
@@ -68,7 +68,7 @@ impl Stack<'_> {
     ///
     /// # Panics
     ///
-    /// When the joint [cannot turn](super::can_turn).
+    /// When the joint does not [turn freely](crate::motion::Clip::turns_freely).
     pub fn rotation_key(&self, layer_idx: usize, joint: JointId, frame: usize, seen: DQuat) -> Option<DQuat> {
         let layer = &self.layers[layer_idx];
         if layer.effect() == 0.0 {

@@ -74,10 +74,11 @@ impl Displaced {
 }
 
 /// Tells whether a joint can have a rotation map: the file can give it any rotation, and the carrier does not hang
-/// below it, because where the carrier is follows from the path.
+/// below it, because where the carrier is follows from the path. The carrier itself can if it can be placed at all.
 pub fn can_turn(clip: &Clip, joint: JointId) -> bool {
     let carrier = clip.facts.carrier.value;
-    clip.turns_freely(joint.idx()) && (joint == carrier || !clip.skeleton.is_within(carrier, joint))
+    let is_placed = if joint == carrier { clip.facts.path_editable } else { !clip.skeleton.is_within(carrier, joint) };
+    clip.turns_freely(joint.idx()) && is_placed
 }
 
 impl<'a> Stack<'a> {
@@ -121,6 +122,9 @@ impl<'a> Stack<'a> {
                     None => format!("there is no joint {name}"),
                     Some(joint) if !self.clip.turns_freely(joint.idx()) => {
                         format!("{name} lacks a rotation channel about each axis")
+                    }
+                    Some(joint) if joint == self.clip.facts.carrier.value && !self.clip.facts.path_editable => {
+                        format!("the carrier {name} cannot be placed anew")
                     }
                     Some(joint) if !can_turn(self.clip, joint) => format!("the carrier hangs below {name}"),
                     Some(_) => continue,
@@ -526,6 +530,20 @@ mod tests {
                 assert_eq!(stack.displaced_again(earlier, &made), stack.displaced());
             }
         }
+    }
+
+    #[test]
+    fn a_carrier_without_position_channels_is_left_where_it_is() {
+        let text = "HIERARCHY\nROOT Hips\n{\nOFFSET 0 1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n\
+            End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.1\n1 2 3\n4 5 6\n";
+        let bvh = crate::bvh::Bvh::parse(text.as_bytes(), "still.bvh").expect("a good file");
+        let clip = Clip::from_bvh(&bvh, &crate::motion::ClipOptions::default());
+        let mut moved = layer(&clip, JointId(0), Interpolation::EulerLinear, &[(1, turn([0.1, 0.2, 0.3]))]);
+        moved.position.set(0, DVec3::X);
+        let stack = Stack { clip: &clip, base: &[], layers: &[moved] };
+        assert!(stack.displaced().is_empty());
+        assert_eq!(stack.warnings().len(), 2, "{:?}", stack.warnings());
+        assert_eq!(stack.position_key(0, 1, DVec3::Y), None);
     }
 
     #[test]
