@@ -15,6 +15,9 @@ use crate::{
     skeleton::JointId,
 };
 
+/// A joint's rotation map and the layer that it is of.
+pub(super) type Map<'a> = (&'a Layer, &'a Keys<DQuat>);
+
 /// Layers on a clip: merged ones first, then the others, each in the order of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Stack<'a> {
@@ -156,7 +159,7 @@ impl<'a> Stack<'a> {
     }
 
     /// Lays maps on a joint.
-    pub(super) fn track(&self, joint: JointId, maps: impl Iterator<Item = (&'a Layer, &'a Keys<DQuat>)>) -> Track<'a> {
+    pub(super) fn track(&self, joint: JointId, maps: impl Iterator<Item = Map<'a>>) -> Track<'a> {
         let mut track = Track::new(self.clip, joint, self.base_of(joint).map(<[DQuat]>::to_vec));
         maps.for_each(|(layer, keys)| track.lay(layer, keys));
         track
@@ -187,7 +190,7 @@ impl<'a> Stack<'a> {
     }
 
     /// Returns all joints that turn, each with its maps from the lowest layer to the highest.
-    fn maps(&self) -> BTreeMap<JointId, Vec<(&'a Layer, &'a Keys<DQuat>)>> {
+    fn maps(&self) -> BTreeMap<JointId, Vec<Map<'a>>> {
         let mut maps: BTreeMap<_, Vec<_>> = self.base.iter().map(|turned| (turned.joint, Vec::new())).collect();
         for (_, layer) in self.in_order() {
             for (name, keys) in &layer.rotation {
@@ -212,8 +215,8 @@ impl<'a> Stack<'a> {
 }
 
 /// Tells whether two joints' maps, laid on the same rotations, give the same.
-fn has_equal_effect(maps: &[(&Layer, &Keys<DQuat>)], other: &[(&Layer, &Keys<DQuat>)]) -> bool {
-    let is_equal = |(&(a, a_keys), &(b, b_keys)): (&(&Layer, &Keys<DQuat>), &(&Layer, &Keys<DQuat>))| {
+fn has_equal_effect(maps: &[Map], other: &[Map]) -> bool {
+    let is_equal = |((a, a_keys), (b, b_keys)): (&Map, &Map)| {
         a.effect() == b.effect() && a.interpolation == b.interpolation && a_keys == b_keys
     };
     maps.len() == other.len() && maps.iter().zip(other).all(is_equal)
