@@ -15,7 +15,7 @@
 //! | 6 | [`editor`] | commands, keymap, view state; builds the scene; knows no terminal and no GPU |
 //! | 5 | [`document`], [`scene`] | edits, undo, the solve, project files · a picture as plain data that can travel |
 //! | 4 | [`constrain`], [`cycle`], [`measure`] | feet that stay planted · loop finder and joined cycles · quality numbers |
-//! | 3 | [`path`], [`contact`] | path out of and into a clip · plant detection |
+//! | 3 | [`path`], [`contact`], [`displace`] | path out of and into a clip · plant detection · displacement maps |
 //! | 2 | [`motion`] | clips, poses, kinematics; conversion from and to BVH |
 //! | 1 | [`curve`], [`bvh`], [`skeleton`] | polynomial fit, B-spline, arc length · the file as it is, losslessly · joint tree |
 //! | 0 | [`math`], [`sync`], [`key`] | what glam and the linear algebra library lack · newest-value mailbox · one name for a key press |
@@ -39,6 +39,7 @@ pub mod constrain;
 pub mod contact;
 pub mod curve;
 pub mod cycle;
+pub mod displace;
 pub mod document;
 pub mod editor;
 pub mod key;

@@ -87,7 +87,7 @@ pub struct Bvh {
     /// Where the motion's two opening lines have been read to; rows begin after it.
     rows_from: usize,
     /// Frames × channels, frame-major.
-    values: Vec<f64>,
+    values: Arc<Vec<f64>>,
     /// One for each frame, rising: where its values stand in the text.
     row_spans: Vec<Range<usize>>,
     warnings: Vec<Warning>,
@@ -137,5 +137,10 @@ impl Bvh {
     /// Returns all values, frames × channels, frame-major.
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// Returns all values for someone who keeps them.
+    pub fn shared_values(&self) -> Arc<Vec<f64>> {
+        Arc::clone(&self.values)
     }
 }

@@ -47,7 +47,7 @@ impl Parts {
             frame_count_span: self.motion.frame_count_span,
             frame_time_secs: self.motion.frame_time_secs,
             rows_from: self.motion.end,
-            values: self.rows.values,
+            values: Arc::new(self.rows.values),
             row_spans: self.rows.spans,
         }
     }

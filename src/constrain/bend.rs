@@ -9,9 +9,11 @@ use glam::{DQuat, DVec3};
 use super::{
     feet::{Planned, smootherstep},
     prepared::{LegFrame, PreparedLeg},
-    two_bone::TwoBone,
 };
-use crate::{math::Rigid, motion::TurnedJoint};
+use crate::{
+    math::{Rigid, TwoBone},
+    motion::TurnedJoint,
+};
 
 /// A planted leg is held within this share of its length, unless the source's own is longer.
 const LIMIT: f64 = 0.9995;

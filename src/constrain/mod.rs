@@ -19,7 +19,6 @@ mod feet;
 mod hold;
 mod offset;
 mod prepared;
-mod two_bone;
 
 pub use hold::{Footprint, Ground, Held, Job, Missed, hold};
 pub use prepared::Prepared;

@@ -1,9 +1,13 @@
-//! What glam and the linear algebra library lack: rigid motions, angles about up.
+//! What glam and the linear algebra library lack: rigid motions, angles about up, limbs of two bones.
 //!
 //! World space is y-up and right-handed; a heading of 0 looks along +Z and grows towards +X.
 
+mod two_bone;
+
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
+
+pub use two_bone::{Turns, TwoBone, shortest_arc};
 
 /// A rotation followed by a translation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 //! Local transform = translation · the channels' rotations in file order (METHOD 1). What a position channel does to
 //! OFFSET is not decided here: the caller names a meaning for the roots and one for the other joints.
 
-use std::borrow::Cow;
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use wide::f64x4;
@@ -54,9 +54,15 @@ impl JointChannels {
 
     /// Tells whether there is one rotation channel about each axis.
     pub(super) fn turns_freely(&self) -> bool {
-        let mut axes: Vec<usize> = self.rotations.iter().map(|&(axis, _)| axis).collect();
+        self.free_rotations().is_some()
+    }
+
+    /// Returns the rotation channels where there is one about each axis.
+    pub(super) fn free_rotations(&self) -> Option<[(usize, usize); 3]> {
+        let channels: [(usize, usize); 3] = self.rotations.as_slice().try_into().ok()?;
+        let mut axes = channels.map(|(axis, _)| axis);
         axes.sort_unstable();
-        axes == [0, 1, 2]
+        (axes == [0, 1, 2]).then_some(channels)
     }
 
     /// Tells whether the joint has any position channel.
@@ -72,22 +78,22 @@ impl JointChannels {
 
 /// A file's motion as numbers that can be trusted: finite, with a skeleton in the file's axes.
 #[derive(Debug)]
-pub(super) struct FileMotion<'a> {
+pub(super) struct FileMotion {
     pub(super) skeleton: Skeleton,
     pub(super) channels: Vec<JointChannels>,
     pub(super) n_frames: usize,
-    n_channels: usize,
-    /// Frames × channels.
-    values: Cow<'a, [f64]>,
+    pub(super) n_channels: usize,
+    /// Frames × channels; the file's own where all of them are numbers.
+    pub(super) values: Arc<Vec<f64>>,
 }
 
-impl<'a> FileMotion<'a> {
+impl FileMotion {
     /// Reads the file's numbers; those that are none are replaced, with a warning.
-    pub(super) fn new(bvh: &'a Bvh, warnings: &mut Vec<String>) -> Self {
+    pub(super) fn new(bvh: &Bvh, warnings: &mut Vec<String>) -> Self {
         let channels: Vec<JointChannels> =
             bvh.joints().iter().map(|j| JointChannels::new(&j.channels, j.first_channel)).collect();
         let skeleton = skeleton(bvh, warnings);
-        let values = finite(bvh.values(), bvh.n_channels(), &channels, warnings);
+        let values = finite(bvh.shared_values(), bvh.n_channels(), &channels, warnings);
         Self { skeleton, channels, n_frames: bvh.n_frames(), n_channels: bvh.n_channels(), values }
     }
 
@@ -216,18 +222,18 @@ fn skeleton(bvh: &Bvh, warnings: &mut Vec<String>) -> Skeleton {
 }
 
 /// Replaces what is not a number by the frame before, 0 in the first frame, and takes whole turns off far angles.
-fn finite<'a>(
-    values: &'a [f64],
+fn finite(
+    values: Arc<Vec<f64>>,
     n_channels: usize,
     channels: &[JointChannels],
     warnings: &mut Vec<String>,
-) -> Cow<'a, [f64]> {
+) -> Arc<Vec<f64>> {
     // Counted rather than searched for, which takes several values at a time.
     let n_near = values.iter().filter(|v| v.abs() <= FARTHEST_DEGREES).count();
     if n_near == values.len() {
-        return Cow::Borrowed(values);
+        return values;
     }
-    let mut values = values.to_vec();
+    let mut values = values.as_ref().clone();
     let mut n_bad = 0;
     for at in 0..values.len() {
         let is_number = values[at].abs() <= LARGEST;
@@ -247,5 +253,5 @@ fn finite<'a>(
             }
         }
     }
-    Cow::Owned(values)
+    Arc::new(values)
 }

@@ -8,6 +8,7 @@ use glam::{DQuat, DVec3};
 
 use super::{
     EditedClip,
+    angles::{Angles, RotationOrder},
     facts::Facts,
     kinematics::{self, Walk},
     poses::Poses,
@@ -31,8 +32,7 @@ pub struct Clip {
     pub warnings: Vec<String>,
     /// Rest frames included. Invariant: more frames than `facts.rest_frames`.
     pub(super) poses: Poses,
-    /// By joint: one rotation channel about each axis.
-    pub(super) turns_freely: Vec<bool>,
+    pub(super) angles: Angles,
 }
 
 impl Clip {
@@ -45,7 +45,7 @@ impl Clip {
             facts: clip.facts.clone(),
             warnings: clip.warnings.clone(),
             poses: edited.poses(),
-            turns_freely: clip.turns_freely.clone(),
+            angles: clip.angles.of_other_frames(),
         }
     }
 
@@ -71,7 +71,34 @@ impl Clip {
 
     /// Tells whether the file can give a joint any rotation: it has one channel about each axis.
     pub fn turns_freely(&self, joint_idx: usize) -> bool {
-        self.turns_freely[joint_idx]
+        self.angles.order(joint_idx).is_some()
+    }
+
+    /// Returns how a joint's three rotation channels turn it; none unless it [turns freely](Self::turns_freely).
+    pub fn rotation_order(&self, joint_idx: usize) -> Option<RotationOrder> {
+        self.angles.order(joint_idx)
+    }
+
+    /// Returns a joint's rotation channels at every frame, degrees, in the file's order and continuous over the frames.
+    ///
+    /// The first frame's are the file's own. From there on each frame has the file's values up to whole turns, or the
+    /// other triple of the same pose where the file changes from one to the other: values that follow one another can
+    /// be interpolated, filtered and added to.
+    ///
+    /// # Panics
+    ///
+    /// When the joint does not [turn freely](Self::turns_freely).
+    pub fn rotation_degrees(&self, joint_idx: usize) -> Vec<[f64; 3]> {
+        if let Some(order) = self.angles.order(joint_idx).filter(|_| !self.angles.are_of_these_frames()) {
+            let mut near = [0.0; 3];
+            return (0..self.n_frames())
+                .map(|frame| {
+                    near = order.nearest_degrees(self.rotations(frame)[joint_idx], near);
+                    near
+                })
+                .collect();
+        }
+        self.angles.degrees(joint_idx, self.rest_frames()..self.n_file_frames())
     }
 
     /// Returns the local rotations of all joints at a frame.

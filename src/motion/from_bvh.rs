@@ -1,10 +1,6 @@
 //! BVH → clip: the file's numbers, what they mean, and the one turn into y-up world space.
 
-use super::{
-    Clip, ClipOptions, UpAxis,
-    channels::{FileMotion, JointChannels},
-    facts,
-};
+use super::{Clip, ClipOptions, UpAxis, angles::Angles, channels::FileMotion, facts};
 use crate::{
     bvh::Bvh,
     skeleton::{Joint, Skeleton},
@@ -36,8 +32,8 @@ impl Clip {
                 poses.premultiply(idx, up.world_rotation());
             }
         }
-        let turns_freely = motion.channels.iter().map(JointChannels::turns_freely).collect();
-        Self { skeleton: in_world(&motion.skeleton, up), frame_time_secs, facts, warnings, poses, turns_freely }
+        let angles = Angles::new(&motion, up);
+        Self { skeleton: in_world(&motion.skeleton, up), frame_time_secs, facts, warnings, poses, angles }
     }
 }
 

@@ -3,6 +3,7 @@
 //! Angles are degrees and axes the file's own only in the conversions here; what comes out is y-up, in radians and in
 //! the clip's length unit. A clip never changes: an [`EditedClip`] says how it is to be shown instead.
 
+mod angles;
 mod channels;
 mod clip;
 mod edited;
@@ -18,6 +19,7 @@ mod poses;
 mod to_bvh;
 mod tracks;
 
+pub use angles::RotationOrder;
 pub use channels::local_rotations;
 pub use clip::{CarrierRelative, Clip, carrier_relative};
 pub use edited::{EditedClip, TurnedJoint};

@@ -11,33 +11,33 @@
 
 use glam::{DQuat, DVec3};
 
-/// A leg and where its end should be, all in one space.
+/// A leg, or any limb of two bones, and where its end should be, all in one space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TwoBone {
+pub struct TwoBone {
     /// From hip to knee.
-    pub(super) thigh: DVec3,
+    pub thigh: DVec3,
     /// From knee to ankle.
-    pub(super) shin: DVec3,
+    pub shin: DVec3,
     /// Unit axis about which the shin turns further into the bend.
-    pub(super) hinge: DVec3,
+    pub hinge: DVec3,
     /// From hip to the place the ankle should be at.
-    pub(super) target: DVec3,
+    pub target: DVec3,
 }
 
 /// How a leg has to turn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turns {
+pub struct Turns {
     /// Of the shin, about the knee; first.
-    pub(super) knee: DQuat,
+    pub knee: DQuat,
     /// Of the whole leg, about the hip; second.
-    pub(super) hip: DQuat,
+    pub hip: DQuat,
     /// From hip to ankle, as it comes out.
-    pub(super) reached: DVec3,
+    pub reached: DVec3,
 }
 
 impl TwoBone {
     /// Finds the turns; a target out of reach is approached as far as the leg is long.
-    pub(super) fn solve(&self) -> Turns {
+    pub fn solve(&self) -> Turns {
         let Self { thigh: u, shin: v, hinge: n, target } = *self;
         let along = u.dot(n) * v.dot(n);
         let (b, c) = (u.dot(v) - along, u.dot(n.cross(v)));
@@ -77,7 +77,7 @@ fn turned(axis: DVec3, cos: f64, sin: f64, v: DVec3) -> DVec3 {
 }
 
 /// Returns the least rotation that takes one direction to another; none for vectors without direction.
-fn shortest_arc(from: DVec3, to: DVec3) -> DQuat {
+pub fn shortest_arc(from: DVec3, to: DVec3) -> DQuat {
     let scale = (from.length_squared() * to.length_squared()).sqrt();
     let w = scale + from.dot(to);
     if w <= 1e-12 * scale {

@@ -1,0 +1,212 @@
+//! Rotations between keys: spherical linear interpolation the short way, constant outside.
+//!
+//! A rotation is two quaternions, q and −q. The keys are first *lifted*: each takes the sign that continues the key
+//! before it, the first one the sign with w ≥ 0. From there on interpolation is a curve of quaternions without jumps,
+//! and so is any power of it, also where the rotation passes a half turn.
+
+use std::ops::Range;
+
+use glam::{DQuat, DVec3};
+
+use super::keys::{Key, Piece, pieces};
+
+/// A turn this near to a half turn (in w) has no shorter way; it goes the way its axis decides.
+const HALF_TURN: f64 = 1e-12;
+
+/// Frames that are reached by multiplying one step after the other before the next exact value.
+const STRIDE: usize = 32;
+
+/// Returns the keys with the signs that continue one another.
+pub(super) fn lifted(keys: &[Key<DQuat>]) -> Vec<Key<DQuat>> {
+    let mut before = DQuat::IDENTITY;
+    let lift = |key: &Key<DQuat>| {
+        before = if is_long_way(before.conjugate() * key.value) { -key.value } else { key.value };
+        Key { frame: key.frame, value: before }
+    };
+    keys.iter().map(lift).collect()
+}
+
+/// Tells whether a quaternion stands for the long way of its rotation; of the two of a half turn one does.
+fn is_long_way(turn: DQuat) -> bool {
+    if turn.w.abs() > HALF_TURN {
+        turn.w < 0.0
+    } else {
+        // A unit vector has a component of more than a half; the first such one tells the two apart.
+        turn.xyz().to_array().into_iter().find(|c| c.abs() > 0.5).is_some_and(|c| c < 0.0)
+    }
+}
+
+/// Returns the quaternion of a rotation that stands for its short way.
+pub(super) fn short_way(turn: DQuat) -> DQuat {
+    if is_long_way(turn) { -turn } else { turn }
+}
+
+/// Returns axis times angle, radians; glam's own takes small angles for none.
+pub(super) fn rotation_vector(turn: DQuat) -> DVec3 {
+    let sine = turn.xyz().length();
+    if sine == 0.0 { DVec3::ZERO } else { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) }
+}
+
+/// Returns a power of a lifted rotation: its angle, up to a whole turn, times `exponent`.
+pub(super) fn power(turn: DQuat, exponent: f64) -> DQuat {
+    let sine = turn.xyz().length();
+    if sine == 0.0 {
+        return DQuat::IDENTITY;
+    }
+    let (s, c) = (exponent * sine.atan2(turn.w)).sin_cos();
+    let axis = turn.xyz() * (s / sine);
+    DQuat::from_xyzw(axis.x, axis.y, axis.z, c)
+}
+
+/// Calls `visit` with each frame of the file and a share of the map's value there.
+///
+/// # Panics
+///
+/// When there is no key.
+pub(super) fn visit_share(
+    lifted: &[Key<DQuat>],
+    share: f64,
+    frames: Range<usize>,
+    mut visit: impl FnMut(usize, DQuat),
+) {
+    for (piece, run) in pieces(lifted, frames) {
+        match piece {
+            Piece::Constant(key) => {
+                let value = power(lifted[key].value, share);
+                run.for_each(|frame| visit(frame, value));
+            }
+            Piece::Between(_) => self::visit(lifted, run, |frame, value| visit(frame, power(value, share))),
+        }
+    }
+}
+
+/// Calls `visit` with each frame of the file and the map's value there.
+///
+/// # Panics
+///
+/// When there is no key.
+pub(super) fn visit(lifted: &[Key<DQuat>], frames: Range<usize>, mut visit: impl FnMut(usize, DQuat)) {
+    for (piece, run) in pieces(lifted, frames) {
+        match piece {
+            Piece::Constant(key) => run.for_each(|frame| visit(frame, lifted[key].value)),
+            Piece::Between(key) => {
+                let [from, to] = [lifted[key], lifted[key + 1]];
+                let turn = from.value.conjugate() * to.value;
+                let share = |n_frames: usize| power(turn, n_frames as f64 / (to.frame - from.frame) as f64);
+                let step = share(1);
+                for start in run.clone().step_by(STRIDE) {
+                    let mut value = from.value * share(start - from.frame);
+                    for frame in start..run.end.min(start + STRIDE) {
+                        visit(frame, value);
+                        value *= step;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Returns the map's value at a frame of the file.
+pub(super) fn at(lifted: &[Key<DQuat>], frame: usize) -> DQuat {
+    let mut found = DQuat::IDENTITY;
+    visit(lifted, frame..frame + 1, |_, value| found = value);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn values(keys: &[(usize, DQuat)], frames: Range<usize>) -> Vec<DQuat> {
+        let keys: Vec<_> = keys.iter().map(|&(frame, value)| Key { frame, value }).collect();
+        let mut out = Vec::new();
+        visit(&lifted(&keys), frames, |_, value| out.push(value));
+        out
+    }
+
+    fn off(a: DQuat, b: DQuat) -> f64 {
+        let turn = a.conjugate() * b;
+        2.0 * turn.xyz().length().atan2(turn.w.abs())
+    }
+
+    fn any_turn() -> impl Strategy<Value = DQuat> {
+        prop::array::uniform4(-1.0..1.0f64)
+            .prop_map(DQuat::from_array)
+            .prop_filter("has a direction", |q| q.length() > 0.1)
+            .prop_map(DQuat::normalize)
+    }
+
+    proptest! {
+        #[test]
+        fn between_keys_it_is_slerp_the_short_way(a in any_turn(), b in any_turn(), n in 1..2000usize) {
+            let all = values(&[(3, a), (3 + n, b)], 0..n + 6);
+            for (frame, &value) in all.iter().enumerate() {
+                let share = (frame.saturating_sub(3) as f64 / n as f64).min(1.0);
+                // glam's own slerp takes the short way too, but is linear for small angles: within 1e-4 of one.
+                let want = if a.dot(b).abs() > 0.999 { a * power(short_way(a.conjugate() * b), share) } else { a.slerp(b, share) };
+                prop_assert!(off(value, want) < 1e-9, "frame {frame}: off by {:e}", off(value, want));
+                prop_assert!((value.length() - 1.0).abs() < 1e-13);
+            }
+            let whole = off(a, b);
+            prop_assert!(whole <= PI + 1e-9);
+            for pair in all.windows(2) {
+                prop_assert!(off(pair[0], pair[1]) <= whole / n as f64 + 1e-9, "even steps, never the long way");
+            }
+        }
+
+        #[test]
+        fn the_signs_of_the_keys_do_not_matter(turns in prop::collection::vec(any_turn(), 1..6)) {
+            let keys: Vec<_> = turns.iter().enumerate().map(|(i, &q)| (i * 7, q)).collect();
+            let flipped: Vec<_> = keys.iter().map(|&(f, q)| (f, if f % 2 == 1 { -q } else { q })).collect();
+            for (a, b) in values(&keys, 0..40).into_iter().zip(values(&flipped, 0..40)) {
+                prop_assert!(a.abs_diff_eq(b, 1e-12));
+            }
+        }
+    }
+
+    #[test]
+    fn a_half_turn_goes_one_way_whatever_its_rounding() {
+        for axis in [DVec3::X, DVec3::NEG_Z, DVec3::new(1.0, -1.0, 1.0).normalize()] {
+            let mut middles = Vec::new();
+            for noise in [0.0, 1e-15, -1e-15] {
+                for sign in [1.0, -1.0] {
+                    let half = DQuat::from_axis_angle(axis * sign, PI + noise);
+                    let all = values(&[(0, DQuat::IDENTITY), (100, half)], 0..101);
+                    assert!(all.iter().all(|q| q.is_finite()));
+                    for pair in all.windows(2) {
+                        assert!((off(pair[0], pair[1]) - PI / 100.0).abs() < 1e-12);
+                    }
+                    middles.push(all[50]);
+                }
+            }
+            assert!(middles.iter().all(|&m| off(m, middles[0]) < 1e-12), "{axis}");
+        }
+    }
+
+    #[test]
+    fn powers_follow_without_a_jump_past_a_half_turn() {
+        // Thirds of a turn, one after the other: the short way each time, a whole turn in all.
+        let keys: Vec<_> = (0..4).map(|i| (i * 50, DQuat::from_rotation_y(i as f64 * TAU / 3.2))).collect();
+        let all = values(&keys, 0..151);
+        for weight in [0.25, 0.5, 1.0] {
+            for pair in all.windows(2) {
+                let step = off(power(pair[0], weight), power(pair[1], weight));
+                assert!((step - weight * TAU / 160.0).abs() < 1e-12);
+            }
+        }
+        assert_eq!(power(DQuat::IDENTITY, 0.3), DQuat::IDENTITY);
+    }
+
+    #[test]
+    fn tiny_turns_keep_their_digits() {
+        let tiny = DQuat::from_rotation_x(1e-9);
+        let all = values(&[(0, DQuat::IDENTITY), (10, tiny)], 0..11);
+        assert!((2.0 * all[3].x - 3e-10).abs() < 1e-24, "{:e}", all[3].x);
+        assert!(rotation_vector(all[3]).abs_diff_eq(3e-10 * DVec3::X, 1e-24));
+        assert!(values(&[(0, tiny), (10, tiny)], 0..11).iter().all(|q| *q == tiny));
+    }
+}
