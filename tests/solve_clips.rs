@@ -120,3 +120,40 @@ fn a_window_calms_a_walk_that_starts_and_stops() {
         assert!(windowed < 1.1 && windowed < plain);
     }
 }
+
+/// A path that the new path's degree can be, walked again, changes nothing, whether feet are held or not.
+#[test]
+fn a_clip_on_its_own_path_stays_what_it_is() {
+    let Some(folder) = clips("a_clip_on_its_own_path_stays_what_it_is") else { return };
+    for name in ["walk01", "cmu_12_03_walk", "figure8_walk", "cmu_131_01_start_walk_stop", "zombie_turns_z_up"] {
+        let source = load(&folder.join(name).with_extension("bvh"));
+        for (original, degree) in [(1, 3), (3, 3), (4, 5)] {
+            let start = with(&source, None, |e| e.original.degree = Degree::Fixed(original));
+            let (up, height) = (start.clip.facts.up.value, start.clip.facts.height.value);
+            let shape = Shape { kind: ShapeKind::Original, size: 1.0 };
+            let points = shape_points(shape, &start.original, 8, degree);
+            for hold in [false, true] {
+                let solved = with(&source, Some(&start), |e| {
+                    e.original.degree = Degree::Fixed(original);
+                    e.path.degree = degree;
+                    e.path.control_points = Some(points.iter().map(|&p| up.to_file(p)).collect());
+                    e.plants.hold = hold;
+                });
+                assert!(solved.walks_new_path() && solved.edited.n_frames() == solved.clip.n_frames(), "{name}");
+                let (mut now, mut then) = (Vec::new(), Vec::new());
+                let mut worst = (0.0, 0, 0);
+                for f in 0..solved.edited.n_frames() {
+                    solved.edited.world_points(f, &mut now);
+                    solved.clip.world_points(f, &mut then);
+                    for (point, (now, then)) in now.iter().zip(&then).enumerate() {
+                        let off = now.distance(*then) / height;
+                        if off > worst.0 {
+                            worst = (off, f, point);
+                        }
+                    }
+                }
+                assert!(worst.0 < 1e-6, "{name} {original} on {degree}, held {hold}: off by {worst:?}");
+            }
+        }
+    }
+}

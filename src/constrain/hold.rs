@@ -20,6 +20,10 @@ use crate::{
 /// Weight of a leg in swing over one that stands.
 const SWING_WEIGHT: f64 = 0.5;
 
+/// Motions that differ by less, as a share of the body height and in half radians, are one: paths are walked no more
+/// exactly.
+const SAME: f64 = 1e-6;
+
 /// Shorter clips are not worth another thread.
 const FEWEST_FRAMES: usize = 2000;
 
@@ -112,6 +116,10 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let passage: Vec<Rigid> =
         job.carrier.iter().zip(&prepared.carrier).map(|(plain, source)| *plain * source.inverse()).collect();
     let asks = each(&prepared.legs, |_, leg| Ask::new(leg, job, &passage, dt));
+    if moves_as_one(&passage, prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
+        let footprints = footprints(prepared, &asks);
+        return Held { carrier: job.carrier.to_vec(), footprints, ..Held::default() };
+    }
     let wishes: Vec<&[Wish]> = asks.iter().map(|ask| &ask.wishes[..]).collect();
     let offsets = Problem { wishes: &wishes, frame_time_secs: dt, height: prepared.height }.offsets();
     let mut held = Held { carrier: job.carrier.to_vec(), ..Held::default() };
@@ -124,14 +132,31 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
         let (carrier, offsets) = (&held.carrier, &offsets);
         Bend { leg, feet: &plan.feet, free, carrier, offsets, frame_time_secs: dt }.solve(MISSED * prepared.height)
     });
-    for (idx, ((leg, ask), bent)) in prepared.legs.iter().zip(&asks).zip(bent).enumerate() {
+    for (idx, (leg, bent)) in prepared.legs.iter().zip(bent).enumerate() {
         held.turned.extend(bent.turned);
         for (plant, frame, by) in bent.missed {
             held.miss(idx, leg, plant, frame, by);
         }
-        held.footprints.extend(ask.plan.motions.iter().map(|(plant, motion)| footprint(idx, leg, *plant, motion)));
     }
+    held.footprints = footprints(prepared, &asks);
     held
+}
+
+/// Tells whether plain path editing moves the whole clip as one rigid body: then no foot slides that did not.
+fn moves_as_one(passage: &[Rigid], height: f64) -> bool {
+    let Some((first, others)) = passage.split_first() else { return true };
+    others.iter().all(|by| {
+        let turn = first.rotation.conjugate() * by.rotation;
+        turn.xyz().length() < SAME && first.translation.distance(by.translation) < SAME * height
+    })
+}
+
+fn footprints(prepared: &Prepared, asks: &[Ask]) -> Vec<Footprint> {
+    let legs = prepared.legs.iter().zip(asks).enumerate();
+    legs.flat_map(|(idx, (leg, ask))| {
+        ask.plan.motions.iter().map(move |(plant, motion)| footprint(idx, leg, *plant, motion))
+    })
+    .collect()
 }
 
 /// Makes something of each leg: of long clips the first one's on this thread, the others' on their own.

@@ -134,6 +134,13 @@ impl Prepared {
     }
 }
 
+impl PreparedLeg {
+    /// Tells whether the foot slides in its plants as it did.
+    pub(super) fn keeps_its_slides(&self) -> bool {
+        self.plants.iter().all(|plant| plant.plant.mode != PlantMode::Clean)
+    }
+}
+
 fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
     let Leg { hip, knee, ankle, .. } = foot.leg;
     let carrier = clip.facts.carrier.value;

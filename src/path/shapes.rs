@@ -8,7 +8,7 @@ use std::{f64::consts::PI, fmt, str::FromStr};
 
 use glam::DVec3;
 
-use super::OriginalPath;
+use super::{OriginalPath, original::parameter};
 use crate::{
     curve::{ArcLength, BSpline},
     math::{heading_rad, heading_rotation},
@@ -176,8 +176,16 @@ fn even_line(start: DVec3, along: DVec3, n: usize) -> Vec<DVec3> {
     (0..n).map(|i| start + along * (i as f64 / (n.max(2) - 1) as f64)).collect()
 }
 
-/// Fits the original path's shape, evenly in arc length, with as many points as it takes.
+/// Fits the original path's shape with as many points as it takes: exactly where its polynomials are of a degree that
+/// the spline can be, else evenly in arc length.
 fn fitted_original(original: &OriginalPath, n: usize, degree: usize) -> BSpline {
+    let frames = original.frames();
+    if original.degree() <= degree && frames.len() >= 2 * n {
+        // Over time, as the polynomials are, a spline of their degree is the polynomials.
+        let parameters: Vec<f64> = (0..frames.len()).map(|f| parameter(f, frames.len())).collect();
+        let points: Vec<DVec3> = frames.iter().map(|frame| frame.point).collect();
+        return BSpline::fit(degree, n, &parameters, &points);
+    }
     let samples = original.polyline(N_SAMPLES);
     let parameters: Vec<f64> = (0..N_SAMPLES).map(|i| i as f64 / (N_SAMPLES - 1) as f64).collect();
     let mut n = n;
