@@ -157,3 +157,37 @@ fn a_clip_on_its_own_path_stays_what_it_is() {
         }
     }
 }
+
+/// A first cycle that needs no holding and a second one that does.
+#[test]
+fn cycles_are_held_one_by_one() {
+    let Some(folder) = clips("cycles_are_held_one_by_one") else { return };
+    let source = load(&folder.join("cmu_12_03_walk.bvh"));
+    let start = with(&source, None, |e| e.original.degree = Degree::Fixed(1));
+    let up = start.clip.facts.up.value;
+    let frames = start.original.frames();
+    let along = frames[frames.len() - 1].point - frames[0].point;
+    let aside = glam::DVec3::new(along.z, 0.0, -along.x);
+    let corner = frames[0].point + 1.5 * along;
+    let points = [frames[0].point, corner, corner + aside].map(|p| up.to_file(p)).to_vec();
+    let solved = with(&source, Some(&start), |e| {
+        e.original.degree = Degree::Fixed(1);
+        e.path.degree = 1;
+        e.path.control_points = Some(points);
+        e.timing.cycling = walkabout::document::Cycling::Plain;
+    });
+    let n = solved.edited.n_frames();
+    assert!(solved.timing.seams.len() == 2 && n > 2 * solved.clip.n_frames(), "{:?}", solved.timing.seams);
+    assert!(solved.edited.turned.len() == 6 && solved.edited.turned.iter().all(|t| t.rotations.len() == n));
+    let (mut now, mut then) = (Vec::new(), Vec::new());
+    for f in 0..solved.timing.seams[0] {
+        solved.edited.world_points(f, &mut now);
+        solved.clip.world_points(f, &mut then);
+        let height = solved.clip.facts.height.value;
+        assert!(now.iter().zip(&then).all(|(now, then)| now.distance(*then) < 1e-6 * height), "frame {f}");
+    }
+    for numbers in solved.foot_numbers.iter() {
+        let speed = numbers.planted_speed.expect("feet stand");
+        assert!(speed.edited < 1.02 * speed.source, "{numbers:?}");
+    }
+}

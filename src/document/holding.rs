@@ -3,13 +3,15 @@
 //! Feet are held over whole cycles on a path carried on along its end, and only then is the result cut where the path
 //! ends: so a path's length does not move a foot (METHOD 6).
 
+use std::{ops::Range, sync::Arc};
+
 use crate::{
     constrain::{Footprint, Ground, Held, Job, Missed, Prepared, hold},
     math::Rigid,
-    motion::{Clip, EditedClip},
+    motion::{Clip, EditedClip, TurnedJoint},
     path::{NewPath, PathFrame, Residuals, Timing},
+    skeleton::JointId,
 };
-use std::sync::Arc;
 
 /// What holding the feet did, beside the clip it made. Frames are edited frames.
 #[derive(Clone, Debug, Default)]
@@ -85,16 +87,13 @@ impl Carriage<'_> {
 /// Appends a held cycle, cut to the frames that are shown.
 fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize) {
     let n = end - first;
-    edited.carrier_world.extend_from_slice(&held.carrier[..n]);
-    if edited.turned.is_empty() {
-        edited.turned = held.turned;
-        for turned in &mut edited.turned {
-            turned.rotations.truncate(n);
-        }
+    if first == 0 {
+        (edited.carrier_world, edited.turned) = (held.carrier, held.turned);
+        edited.carrier_world.truncate(n);
+        edited.turned.iter_mut().for_each(|turned| turned.rotations.truncate(n));
     } else {
-        for (turned, more) in edited.turned.iter_mut().zip(held.turned) {
-            turned.rotations.extend_from_slice(&more.rotations[..n]);
-        }
+        edited.carrier_world.extend_from_slice(&held.carrier[..n]);
+        append_turned(edited, held.turned, first..end);
     }
     let shown = |frame: usize| first + frame.min(n - 1);
     holding.footprints.extend((held.footprints.into_iter()).filter(|print| print.first < n).map(|print| Footprint {
@@ -109,4 +108,22 @@ fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usi
         ..missed
     }));
     holding.largest_offset = holding.largest_offset.max(held.largest_offset);
+}
+
+/// Appends the turned joints of another cycle. Either may have none, where nothing had to be held.
+fn append_turned(edited: &mut EditedClip, more: Vec<TurnedJoint>, frames: Range<usize>) {
+    let (clip, shown) = (Arc::clone(&edited.clip), edited.source_frames.clone());
+    let own = |joint: JointId, frames: Range<usize>| {
+        shown[frames].iter().map(|&f| clip.rotations(f as usize)[joint.idx()]).collect::<Vec<_>>()
+    };
+    if edited.turned.is_empty() {
+        let joints = more.iter().map(|turned| turned.joint);
+        edited.turned = joints.map(|joint| TurnedJoint { joint, rotations: own(joint, 0..frames.start) }).collect();
+    }
+    for turned in &mut edited.turned {
+        match more.iter().find(|more| more.joint == turned.joint) {
+            Some(more) => turned.rotations.extend_from_slice(&more.rotations[..frames.len()]),
+            None => turned.rotations.extend(own(turned.joint, frames.clone())),
+        }
+    }
 }

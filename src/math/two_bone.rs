@@ -41,7 +41,7 @@ impl TwoBone {
         let Self { thigh: u, shin: v, hinge: n, target } = *self;
         let along = u.dot(n) * v.dot(n);
         let (b, c) = (u.dot(v) - along, u.dot(n.cross(v)));
-        let radius = b.hypot(c);
+        let radius = (b * b + c * c).sqrt();
         let wanted = 0.5 * (target.length_squared() - u.length_squared() - v.length_squared());
         let (mut knee, mut reached) = (DQuat::IDENTITY, u + v);
         if radius > 0.0 {
