@@ -120,10 +120,10 @@ pub fn with_edits(
         match found.iter_mut().find(|foot| foot.leg.side == side) {
             Some(foot) => foot.plants = merged(&foot.plants, &of_side, frames),
             None if of_side.is_empty() => {}
-            None => warnings.push(format!("{} edited plants are of a foot that the clip lacks", of_side.len())),
+            None => warnings.push(format!("edited plants of a foot that the clip lacks: {}", of_side.len())),
         }
         if outside > 0 {
-            warnings.push(format!("{outside} edited plants lie outside the clip"));
+            warnings.push(format!("edited plants that lie outside the clip: {outside}"));
         }
     }
     found
@@ -267,7 +267,7 @@ mod tests {
         assert!(with_edits(Vec::new(), &edits, FRAMES, &mut warnings).is_empty());
         assert_eq!(
             warnings,
-            ["1 edited plants are of a foot that the clip lacks", "1 edited plants lie outside the clip"]
+            ["edited plants of a foot that the clip lacks: 1", "edited plants that lie outside the clip: 1"]
         );
     }
 
