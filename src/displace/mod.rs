@@ -9,7 +9,8 @@
 //! clip ─▶ merged layers ─▶ layer 1 ─▶ layer 2 … ─▶ Displaced { turned, carrier turns, offsets }
 //! ```
 //!
-//! Keys sit at file frames, rest frames counted; everything else counts the clip's frames.
+//! Keys sit at file frames, rest frames counted; everything else counts the clip's frames. The solve does not call any
+//! of this yet.
 
 mod between;
 mod edit;
