@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3, DVec4};
 
 use super::{
     Ground, Job,
+    ground::GroundSlope,
     prepared::{LegFrame, PreparedLeg, PreparedPlant},
 };
 use crate::{
@@ -90,11 +91,17 @@ impl Times {
     }
 }
 
-/// Plans a foot. `passage` takes the source's world at each frame to where plain path editing has it.
-pub(super) fn plan(leg: &PreparedLeg, job: &Job, passage: &[Rigid], frame_time_secs: f64) -> FootPlan {
+/// Plans a foot. `source` is the slope of the ground in the source, `passage` takes the source's world at each frame to where plain path editing has it.
+pub(super) fn plan(
+    leg: &PreparedLeg,
+    job: &Job,
+    source: GroundSlope,
+    passage: &[Rigid],
+    frame_time_secs: f64,
+) -> FootPlan {
     let n = passage.len();
     let times = Times::new(frame_time_secs);
-    let stands = stands(leg, job, passage, &times);
+    let stands = stands(leg, job, source, passage, &times);
     let mut feet = Vec::with_capacity(n);
     let mut before: Option<&Stand> = None;
     for after in stands.iter().map(Some).chain([None]) {
@@ -147,7 +154,13 @@ fn between(
 }
 
 /// Lists the plants of a leg with their motions.
-fn stands<'a>(leg: &'a PreparedLeg, job: &Job, passage: &[Rigid], times: &Times) -> Vec<Stand<'a>> {
+fn stands<'a>(
+    leg: &'a PreparedLeg,
+    job: &Job,
+    source: GroundSlope,
+    passage: &[Rigid],
+    times: &Times,
+) -> Vec<Stand<'a>> {
     let n_shown = leg.plants.partition_point(|p| p.plant.first < passage.len());
     let is_held = |p: &PreparedPlant| p.plant.mode != PlantMode::Slide;
     let together = |a: &PreparedPlant, b: &PreparedPlant| {
@@ -165,7 +178,7 @@ fn stands<'a>(leg: &'a PreparedLeg, job: &Job, passage: &[Rigid], times: &Times)
             end += 1;
         }
         let group = &leg.plants[idx..end];
-        let motion = is_held(&group[0]).then(|| motion_of(group, &leg.frames, job, passage));
+        let motion = is_held(&group[0]).then(|| motion_of(group, &leg.frames, (job, source), passage));
         stands.extend((idx as u32..).zip(group).map(|(idx, plant)| Stand { idx, plant, motion }));
     }
     stands
@@ -181,15 +194,22 @@ impl Stand<'_> {
 
 /// Returns the one motion of plants: the mean turn of plain path editing about up, and where it puts the foot on
 /// average; on a ramp also the slope's tilt.
-fn motion_of(plants: &[PreparedPlant], frames: &[LegFrame], job: &Job, passage: &[Rigid]) -> Rigid {
-    let (mut place, mut foot, mut yaw, mut slope, mut heading) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0, 0.0);
+fn motion_of(
+    plants: &[PreparedPlant],
+    frames: &[LegFrame],
+    (job, source): (&Job, GroundSlope),
+    passage: &[Rigid],
+) -> Rigid {
+    let (mut place, mut foot, mut yaw, mut heading) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0);
+    let (mut over_path, mut over_ground) = (0.0, 0.0);
     let mut n = 0.0;
     for f in plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
         let mid = 0.5 * (frames[f].ankle_world.translation + frames[f].toe_world);
         foot += mid;
         place += passage[f].point(mid);
         yaw += job.path[f].heading_rad - job.original[f].heading_rad;
-        slope += job.path[f].slope_rad - job.original[f].slope_rad;
+        over_path += job.path[f].slope_rad - job.original[f].slope_rad;
+        over_ground += job.path[f].slope_rad - source.in_heading_rad(job.original[f].heading_rad);
         heading += job.path[f].heading_rad;
         n += 1.0;
     }
@@ -198,15 +218,20 @@ fn motion_of(plants: &[PreparedPlant], frames: &[LegFrame], job: &Job, passage: 
     if job.ground == Ground::Ramp {
         let along = heading_rotation(heading / n);
         // A turn about X takes Z down, so a slope up is a negative one.
-        rotation = along * DQuat::from_rotation_x(-tilt(slope / n)) * along.conjugate() * rotation;
+        rotation = along * DQuat::from_rotation_x(-tilt(over_path / n, over_ground / n)) * along.conjugate() * rotation;
     }
     Rigid::new(rotation, place - rotation * foot)
 }
 
-/// Returns how far a foot tilts where the path is steeper than the original one by this, radians: not at all for the
-/// little by which a fitted path rises and falls with the body on level ground.
-fn tilt(slope_rad: f64) -> f64 {
+/// Returns how far a foot tilts where the new path is steeper than the original one, and than the source's ground, by
+/// this, radians: the lesser of the two, because a fitted path also falls where the body crouches, and not at all for
+/// the little by which it rises and falls with the body on level ground.
+fn tilt(over_path_rad: f64, over_ground_rad: f64) -> f64 {
     let [none, whole] = TILTS_RAD;
+    let slope_rad = match over_path_rad * over_ground_rad > 0.0 {
+        true => over_path_rad.signum() * over_path_rad.abs().min(over_ground_rad.abs()),
+        false => 0.0,
+    };
     slope_rad * smootherstep((slope_rad.abs() - none) / (whole - none))
 }
 
@@ -222,9 +247,12 @@ mod tests {
 
     #[test]
     fn feet_tilt_with_ramps_and_not_with_the_bob_of_a_body() {
-        assert_eq!((tilt(0.0), tilt(0.05), tilt(-0.05)), (0.0, 0.0, 0.0));
-        assert_eq!((tilt(0.2), tilt(-0.2)), (0.2, -0.2));
-        assert!(tilt(0.08) > 0.0 && tilt(0.08) < 0.08);
+        let alike = |slope: f64| tilt(slope, slope);
+        assert_eq!((alike(0.0), alike(0.05), alike(-0.05)), (0.0, 0.0, 0.0));
+        assert_eq!((alike(0.2), alike(-0.2)), (0.2, -0.2));
+        assert!(alike(0.08) > 0.0 && alike(0.08) < 0.08);
+        // A crouch on a level path, and the same path again, crouch and all.
+        assert_eq!((tilt(0.2, 0.0), tilt(0.0, -0.2), tilt(0.2, -0.2), tilt(-0.2, -0.3)), (0.0, 0.0, 0.0, -0.2));
     }
 
     #[test]

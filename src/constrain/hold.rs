@@ -8,6 +8,7 @@ use super::{
     bend::{Bend, freedom},
     cost::Wish,
     feet::{self, FootPlan},
+    ground::GroundSlope,
     offset::Problem,
     prepared::PreparedLeg,
 };
@@ -115,7 +116,7 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let dt = prepared.frame_time_secs;
     let passage: Vec<Rigid> =
         job.carrier.iter().zip(&prepared.carrier).map(|(plain, source)| *plain * source.inverse()).collect();
-    let asks = each(&prepared.legs, |_, leg| Ask::new(leg, job, &passage, dt));
+    let asks = each(&prepared.legs, |_, leg| Ask::new(leg, job, prepared.slope, &passage, dt));
     if moves_as_one(&passage, prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
         let footprints = footprints(prepared, &asks);
         return Held { carrier: job.carrier.to_vec(), footprints, ..Held::default() };
@@ -183,8 +184,8 @@ struct Ask {
 }
 
 impl Ask {
-    fn new(leg: &PreparedLeg, job: &Job, passage: &[Rigid], frame_time_secs: f64) -> Self {
-        let plan = feet::plan(leg, job, passage, frame_time_secs);
+    fn new(leg: &PreparedLeg, job: &Job, source: GroundSlope, passage: &[Rigid], frame_time_secs: f64) -> Self {
+        let plan = feet::plan(leg, job, source, passage, frame_time_secs);
         let free = freedom(&plan.feet, frame_time_secs);
         let wishes = (job.carrier.iter().zip(&leg.frames).zip(&plan.feet).zip(&free))
             .map(|(((carrier, frame), foot), &free)| Wish {

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::feet::smootherstep;
+use super::ground::GroundSlope;
 use crate::{
     contact::{FootPlants, Plant, PlantMode},
     math::Rigid,
@@ -29,6 +30,8 @@ pub struct Prepared {
     pub(super) height: f64,
     pub(super) carrier: Vec<Rigid>,
     pub(super) legs: Vec<PreparedLeg>,
+    /// Of the ground in the source.
+    pub(super) slope: GroundSlope,
 }
 
 /// One leg of the source.
@@ -109,7 +112,9 @@ impl Prepared {
                 .collect();
         }
         legs.retain(|leg| !leg.plants.is_empty() && leg.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
-        Self { n_frames, frame_time_secs: clip.frame_time_secs, height, carrier, legs }
+        let feet: Vec<DVec3> = legs.iter().flat_map(|leg| &leg.plants).map(|plant| plant.foot).collect();
+        let slope = GroundSlope::under(&feet, height);
+        Self { n_frames, frame_time_secs: clip.frame_time_secs, height, carrier, legs, slope }
     }
 
     /// Returns the number of frames of the clip.
