@@ -13,13 +13,9 @@ use crate::{
     math::Rigid,
     measure::{Body, FootNumbers, Placed, Turning},
     motion::{Clip, EditedClip, TurnedJoint},
-    path::{OriginalPath, PathFrame, Residuals},
+    path::{OriginalPath, PathFrame, Residuals, may_cycle},
 };
 
-/// A cycle shorter than this share of the body height is not repeated.
-const SHORTEST_PERIOD: f64 = 0.05;
-/// A result of more frames than this is not cycled.
-const MAX_FRAMES: f64 = 1e6;
 /// Ends further apart than this are told: pose in body heights, velocity in body heights a second, phase.
 const FAR: Mismatch = Mismatch { pose: 0.1, velocity: 1.0, phase: Some(0.25) };
 /// A path is longer than the clip when it is by more than this share.
@@ -261,16 +257,12 @@ pub(super) fn repeat(
     }
     let end = progress.get(range.end).copied().unwrap_or(2.0 * progress[last] - progress[last - 1]);
     let period = end - progress[range.first];
-    if period < SHORTEST_PERIOD * height {
-        warnings.push(format!("not cycled: one cycle walks less than {SHORTEST_PERIOD} body heights"));
-        return None;
-    }
     let n_cycles = ((length - end) / period + END_SLACK).ceil().max(1.0);
-    if n_cycles * range.n_frames() as f64 > MAX_FRAMES {
-        warnings.push("not cycled: the result would have more than a million frames".to_owned());
-        return None;
-    }
-    Some(Repeat { range, blend_secs, n_cycles: rounded_up(n_cycles as usize) })
+    may_cycle(period, n_cycles, range.n_frames(), height, warnings).then(|| Repeat {
+        range,
+        blend_secs,
+        n_cycles: rounded_up(n_cycles as usize),
+    })
 }
 
 /// Rounds a number of cycles up to 1, 2, 3, 4, 6, 8, 12, 16, …

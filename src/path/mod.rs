@@ -17,7 +17,7 @@ pub use heading::Headings;
 pub use new_path::NewPath;
 pub use original::{MAX_DEGREE, OriginalPath, degree_cap};
 pub use shapes::{MAX_POINTS, Shape, ShapeError, ShapeKind, shape_points, straight_line};
-pub use timing::{Cycling, Timing, TimingOptions};
+pub use timing::{Cycling, Timing, TimingOptions, may_cycle};
 
 /// Degree of the original path's polynomials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -73,7 +73,7 @@ impl Timing {
         let mut warnings = Vec::new();
         let cycles = options.cycling == Cycling::Plain
             && period < path_length * (1.0 - END_SLACK)
-            && may_cycle(period, path_length, progress.len(), height, &mut warnings);
+            && may_cycle(period, path_length / period, progress.len(), height, &mut warnings);
 
         let mut source_frames = Vec::with_capacity(progress.len());
         let mut arc_lengths = Vec::with_capacity(progress.len());
@@ -154,13 +154,15 @@ impl Timing {
     }
 }
 
-/// Tells whether a clip may be repeated along a longer path; says why not.
-fn may_cycle(period: f64, path_length: f64, n_frames: usize, height: f64, warnings: &mut Vec<String>) -> bool {
+/// Tells whether a clip may be repeated `n_cycles` times along a longer path; says why not.
+///
+/// `period` is the way that the `n_frames` of one cycle walk and `height` the body's, both in the clip's unit.
+pub fn may_cycle(period: f64, n_cycles: f64, n_frames: usize, height: f64, warnings: &mut Vec<String>) -> bool {
     if period < SHORTEST_PERIOD * height {
         warnings.push(format!("not cycled: one cycle walks less than {SHORTEST_PERIOD} body heights"));
         return false;
     }
-    if path_length / period * n_frames as f64 > MAX_FRAMES {
+    if n_cycles * n_frames as f64 > MAX_FRAMES {
         warnings.push("not cycled: the result would have more than a million frames".to_owned());
         return false;
     }
