@@ -32,11 +32,10 @@ const FEWEST_FRAMES: usize = 2000;
 const MISSED: f64 = 1e-4;
 
 /// `plants.ground`: how planted feet stand on a path that climbs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Ground {
     /// As in the source: each footprint is as level as the performer's was.
-    #[default]
     Steps,
     /// Tilted with the slope of the path.
     Ramp,

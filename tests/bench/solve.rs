@@ -34,7 +34,9 @@ fn main() {
     let (n_joints, n_plants) =
         (start.clip.skeleton.n_joints(), start.feet.plants.iter().map(|foot| foot.plants.len()).sum::<usize>());
     assert_eq!(n_joints, N_JOINTS);
-    println!("{N_FRAMES} frames × {N_JOINTS} joints, {n_plants} foot plants, {n_cores} cores, one used");
+    println!(
+        "{N_FRAMES} frames × {N_JOINTS} joints, {n_plants} foot plants, {n_cores} cores; long clips are held and measured on two"
+    );
     println!(
         "original degree {}, length {:.1} body heights, {} control points, {} edited frames\n",
         start.original.degree(),
