@@ -137,7 +137,7 @@ fn dragging_the_path_leaves_the_joined_clip() {
         edits.path.control_points.as_mut().expect("given")[3].x += 5.0;
     });
     let [before, now] = [&start, &dragged].map(|solved| solved.walked.joined.as_ref().expect("cycled"));
-    assert!(Arc::ptr_eq(before, now) && Arc::ptr_eq(&start.walked.prepared, &dragged.walked.prepared));
+    assert!(Arc::ptr_eq(before, now) && Arc::ptr_eq(&start.posed.prepared, &dragged.posed.prepared));
     assert!(Arc::ptr_eq(start.loops.as_ref().expect("cycled"), dragged.loops.as_ref().expect("cycled")));
 }
 

@@ -75,6 +75,9 @@ pub enum Verb {
         /// Where to.
         #[command(flatten)]
         output: Output,
+        /// Between interpolation keys writes what is played: the interpolation of their poses.
+        #[arg(long)]
+        interpolated: bool,
     },
     /// Renders one frame to PNG without a window.
     Render {

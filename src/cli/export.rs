@@ -5,9 +5,9 @@ use super::{
     args::{Clip, Output},
 };
 
-pub(super) fn run(clip: &Clip, output: &Output) -> Result<(), Failure> {
+pub(super) fn run(clip: &Clip, output: &Output, interpolated: bool) -> Result<(), Failure> {
     super::check_free(&output.output, output.force)?;
     let document = super::open_loudly(clip)?;
-    document.export(&output.output)?;
+    document.export(&output.output, interpolated)?;
     Ok(())
 }

@@ -63,7 +63,7 @@ impl Failure {
 pub fn run(verb: &Verb) -> ExitCode {
     let result = match verb {
         Verb::Info { clip, json } => info::run(clip, *json),
-        Verb::Export { clip, output } => export::run(clip, output),
+        Verb::Export { clip, output, interpolated } => export::run(clip, output, *interpolated),
         Verb::Render { clip, output, picture } => render::run(clip, output, picture),
         Verb::Measure { clip, json, fail } => measure::run(clip, *json, fail),
         Verb::Doctor => doctor::run(),

@@ -9,8 +9,7 @@
 //! clip ─▶ merged layers ─▶ layer 1 ─▶ layer 2 … ─▶ Displaced { turned, carrier turns, offsets }
 //! ```
 //!
-//! Keys sit at file frames, rest frames counted; everything else counts the clip's frames. The solve does not call any
-//! of this yet.
+//! Keys sit at file frames, rest frames counted; everything else counts the clip's frames.
 
 mod between;
 mod edit;

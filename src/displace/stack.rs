@@ -53,6 +53,11 @@ impl Displaced {
         !self.carrier_turns.is_empty() || !self.offsets.is_empty()
     }
 
+    /// Tells whether the carrier goes where it goes in another.
+    pub fn moves_as(&self, other: &Self) -> bool {
+        self.carrier_turns == other.carrier_turns && self.offsets == other.offsets
+    }
+
     /// Returns where the carrier is at a frame of the clip.
     ///
     /// `carried` is where it would be without layers, `path_frame` the orientation of the path frame there: of the

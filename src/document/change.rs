@@ -10,13 +10,14 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{
-    Edits, PlantRefusal, Solved, Source,
+    Edits, KeyChange, LayerChange, LayerRefusal, PlantRefusal, PoseChange, Solved, Source, layers,
     parameter::{MAX_POINTS, SetError},
-    plants, solve,
+    plants, posing, solve,
     table::parameter,
 };
 use crate::{
     contact::PlantChange,
+    displace::Selection,
     motion::Side,
     path::{self, Shape},
 };
@@ -64,6 +65,26 @@ pub enum Change {
         /// Index of the plant; none: all, the deleted ones too.
         plant: Option<usize>,
     },
+    /// Something is done to the list of layers.
+    Layer(LayerChange),
+    /// Something is done to keys of a layer; the first layer is made when there is none.
+    Keys {
+        /// The layer's place in the list.
+        layer_idx: usize,
+        /// Which maps.
+        selection: Selection,
+        /// What.
+        change: KeyChange,
+    },
+    /// A pose is made what is wanted, by keys of a layer; the first layer is made when there is none.
+    Pose {
+        /// The layer's place in the list.
+        layer_idx: usize,
+        /// The edited frame.
+        frame_idx: usize,
+        /// What is wanted.
+        change: PoseChange,
+    },
 }
 
 /// A change that cannot be made.
@@ -75,6 +96,9 @@ pub enum ChangeError {
     /// A plant that cannot be changed so.
     #[error(transparent)]
     Plant(#[from] PlantRefusal),
+    /// Layers, keys or a pose that cannot be changed so.
+    #[error(transparent)]
+    Layer(#[from] LayerRefusal),
     /// No more control points fit.
     #[error("a path has at most {MAX_POINTS} control points")]
     TooManyPoints,
@@ -125,6 +149,13 @@ pub(super) fn next(solved: &Solved, change: &Change) -> Result<(Edits, Vec<Strin
         Change::Straighten => edits.path.control_points = None,
         Change::Plant { foot, change } => plants::change(solved, &mut edits, *foot, *change)?,
         Change::PlantsAsFound { foot, plant } => plants::as_found(solved, &mut edits, *foot, *plant)?,
+        Change::Layer(change) => layers::change(&mut edits, change)?,
+        Change::Keys { layer_idx, selection, change } => {
+            layers::change_keys(solved, &mut edits, *layer_idx, selection, *change)?;
+        }
+        Change::Pose { layer_idx, frame_idx, change } => {
+            posing::change(solved, &mut edits, *layer_idx, *frame_idx, change)?;
+        }
     }
     Ok((edits, warnings))
 }

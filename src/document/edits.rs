@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
+use super::Cleared;
 use crate::{
     constrain::Ground,
     contact::{PlantEdit, Thresholds},
+    displace::{InterpolationKeys, Layer},
     motion::ClipOptions,
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
@@ -32,6 +34,14 @@ pub struct Edits {
     pub plants: PlantsEdits,
     /// Plants edited by hand (`plant`), in file frames.
     pub edited_plants: Vec<PlantEdit>,
+    /// Displacement maps, bottom to top (`layer`).
+    pub layers: Vec<Layer>,
+    /// Frames between which the clip's own motion is replaced (`interpolation_keys`).
+    pub interpolation_keys: Option<InterpolationKeys>,
+    /// Which of the clip's own data take no part.
+    pub cleared: Cleared,
+    /// How keys move and turn joints.
+    pub pose: PoseEdits,
     /// What is drawn and from where; saved with a project, outside undo.
     pub view: ViewEdits,
 }
@@ -142,6 +152,37 @@ impl Default for LoopEdits {
     fn default() -> Self {
         Self { start: None, end: None, blend: 0.2 }
     }
+}
+
+/// `pose.*`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseEdits {
+    /// How far one key press moves a joint, body heights.
+    pub nudge: f64,
+    /// How far one key press turns a joint, degrees.
+    pub turn: f64,
+    /// Along and about what.
+    pub axes: Axes,
+}
+
+impl Default for PoseEdits {
+    fn default() -> Self {
+        Self { nudge: 0.02, turn: 5.0, axes: Axes::World }
+    }
+}
+
+/// `pose.axes`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Axes {
+    /// The clip's.
+    #[default]
+    World,
+    /// The view's: right, up, towards the eye.
+    View,
+    /// Those of the joint's parent.
+    Parent,
+    /// The joint's own.
+    Own,
 }
 
 /// `show.*` and `camera.*`.

@@ -1,4 +1,4 @@
-//! Lists of entries as values: legs by name (`clip.legs`) and plants edited by hand (`plant`).
+//! Lists of entries as values: legs by name (`clip.legs`), plants edited by hand (`plant`), layers (`layer`).
 //!
 //! An entry is a TOML table; the types it reads into say which keys it has. Tables forget the order of their keys, so
 //! it is kept here: as people would say it, and the same for equal entries.
@@ -10,7 +10,26 @@ use super::parameter::word;
 use crate::contact::PlantEdit;
 
 /// The keys of all entries in the order they are written.
-const KEYS: [&str; 9] = ["side", "foot", "hip", "knee", "ankle", "toe", "first", "last", "mode"];
+const KEYS: [&str; 18] = [
+    "side",
+    "foot",
+    "hip",
+    "knee",
+    "ankle",
+    "toe",
+    "first",
+    "last",
+    "mode",
+    "name",
+    "on",
+    "weight",
+    "interpolation",
+    "merged",
+    "position",
+    "rotation",
+    "frame",
+    "value",
+];
 
 /// Reads a list of entries.
 ///

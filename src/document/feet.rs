@@ -9,7 +9,7 @@ use super::{
 use crate::{
     constrain::Prepared,
     contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
-    measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed, Turning},
+    measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed},
     motion::{Clip, ClipOptions, Decided, Leg, PointTracks, Side, legs::find_legs},
 };
 
@@ -101,11 +101,6 @@ pub(super) fn prepared(clip: &Clip, plants: &[FootPlants], clean: bool) -> Prepa
         }
     }
     Prepared::new(clip, &feet)
-}
-
-/// Prepares the joints that holding turns to be measured.
-pub(super) fn turning(clip: &Clip, prepared: &Prepared) -> Turning {
-    Turning::of(clip, prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]))
 }
 
 /// Returns where an edit puts the points that are measured: ankle and toe of each leg.

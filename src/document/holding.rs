@@ -5,11 +5,12 @@
 
 use std::{ops::Range, sync::Arc};
 
+use super::Posed;
 use crate::{
-    constrain::{Footprint, Ground, Held, Job, Missed, Prepared, hold},
+    constrain::{Footprint, Ground, Held, Job, Missed, hold},
     math::Rigid,
     motion::{Clip, EditedClip, TurnedJoint},
-    path::{NewPath, PathFrame, Residuals, Timing},
+    path::{NewPath, PathFrame, Timing},
     skeleton::JointId,
 };
 
@@ -27,8 +28,10 @@ pub struct Holding {
 /// What carries a clip along the path.
 #[derive(Clone, Copy)]
 pub(super) struct Carriage<'a> {
+    /// What walks.
     pub(super) clip: &'a Arc<Clip>,
-    pub(super) residuals: &'a Residuals,
+    /// The same with its layers.
+    pub(super) posed: &'a Posed,
     /// The original path's frame at each of its frames.
     pub(super) original: &'a [PathFrame],
     /// Arc length of each frame on the original path.
@@ -46,13 +49,13 @@ impl Carriage<'_> {
         EditedClip {
             clip: Arc::clone(self.clip),
             source_frames: self.timing.source_frames.clone(),
-            carrier_world: frames.map(|(&f, at)| self.residuals.apply(f as usize, at)).collect(),
+            carrier_world: frames.map(|(&f, at)| self.posed.carrier(f as usize, at)).collect(),
             turned: Vec::new(),
         }
     }
 
     /// Carries the clip with its feet held.
-    pub(super) fn held(&self, prepared: &Prepared, ground: Ground) -> (EditedClip, Holding) {
+    pub(super) fn held(&self, ground: Ground) -> (EditedClip, Holding) {
         let n = self.timing.n_frames();
         let mut edited = EditedClip {
             clip: Arc::clone(self.clip),
@@ -65,9 +68,9 @@ impl Carriage<'_> {
         let ends = self.restarts.iter().copied().chain([n]);
         for (first, end) in starts.zip(ends) {
             let path = self.whole_cycle(first, end);
-            let carrier: Vec<Rigid> = path.iter().enumerate().map(|(f, at)| self.residuals.apply(f, at)).collect();
+            let carrier: Vec<Rigid> = path.iter().enumerate().map(|(f, at)| self.posed.carrier(f, at)).collect();
             let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
-            append(&mut edited, &mut holding, hold(prepared, &job), first, end);
+            append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.clip);
         }
         (edited, holding)
     }
@@ -84,8 +87,8 @@ impl Carriage<'_> {
     }
 }
 
-/// Appends a held cycle, cut to the frames that are shown.
-fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize) {
+/// Appends a held cycle, cut to the frames that are shown. `posed` has the poses where nothing is turned.
+fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize, posed: &Clip) {
     let n = end - first;
     if first == 0 {
         (edited.carrier_world, edited.turned) = (held.carrier, held.turned);
@@ -93,7 +96,7 @@ fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usi
         edited.turned.iter_mut().for_each(|turned| turned.rotations.truncate(n));
     } else {
         edited.carrier_world.extend_from_slice(&held.carrier[..n]);
-        append_turned(edited, held.turned, first..end);
+        append_turned(edited, held.turned, first..end, posed);
     }
     let shown = |frame: usize| first + frame.min(n - 1);
     holding.footprints.extend((held.footprints.into_iter()).filter(|print| print.first < n).map(|print| Footprint {
@@ -111,10 +114,10 @@ fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usi
 }
 
 /// Appends the turned joints of another cycle. Either may have none, where nothing had to be held.
-fn append_turned(edited: &mut EditedClip, more: Vec<TurnedJoint>, frames: Range<usize>) {
-    let (clip, shown) = (Arc::clone(&edited.clip), edited.source_frames.clone());
+fn append_turned(edited: &mut EditedClip, more: Vec<TurnedJoint>, frames: Range<usize>, posed: &Clip) {
+    let shown = edited.source_frames.clone();
     let own = |joint: JointId, frames: Range<usize>| {
-        shown[frames].iter().map(|&f| clip.rotations(f as usize)[joint.idx()]).collect::<Vec<_>>()
+        shown[frames].iter().map(|&f| posed.rotations(f as usize)[joint.idx()]).collect::<Vec<_>>()
     };
     if edited.turned.is_empty() {
         let joints = more.iter().map(|turned| turned.joint);

@@ -11,8 +11,11 @@ mod files;
 mod footprint;
 mod history;
 mod holding;
+mod layers;
 mod parameter;
 mod plants;
+mod posed;
+mod posing;
 mod project;
 mod solve;
 mod solved;
@@ -26,7 +29,7 @@ use std::{path::Path, path::PathBuf, sync::Arc};
 pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
-    CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, ProjectionKind,
+    Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, PoseEdits, ProjectionKind,
     ResidualEdits, Show, TimingEdits, ViewEdits,
 };
 pub use feet::{Feet, FoundFeet};
@@ -36,6 +39,9 @@ pub use history::History;
 pub use holding::Holding;
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
 pub use plants::PlantRefusal;
+pub use layers::{KeyChange, LayerChange, LayerRefusal};
+pub use posed::{Base, Cleared, Posed};
+pub use posing::PoseChange;
 pub use project::{FORMAT, Problem, Project, ProjectError};
 pub use solve::solve;
 pub use solved::{Solved, Source};
@@ -94,7 +100,18 @@ impl Document {
     ///
     /// When the change cannot be made; then nothing has changed.
     pub fn apply(&mut self, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
-        let (edits, warnings) = change::next(&self.solved, change)?;
+        let solved = Arc::clone(&self.solved);
+        self.apply_to(&solved, change, joins)
+    }
+
+    /// Makes a change of an earlier state of this document, in place of what was done since: a drag begins each of its
+    /// steps where it began, so that where it ends does not depend on the way.
+    ///
+    /// # Errors
+    ///
+    /// When the change cannot be made; then nothing has changed.
+    pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
+        let (edits, warnings) = change::next(from, change)?;
         self.history.push(edits, joins);
         self.resolve();
         Ok(warnings)
@@ -151,13 +168,14 @@ impl Document {
         }
     }
 
-    /// Writes the edited clip to a BVH file.
+    /// Writes the edited clip to a BVH file, with what interpolation keys replace or, `interpolated`, as it is played.
     ///
     /// # Errors
     ///
     /// When the file cannot be written.
-    pub fn export(&self, file: &Path) -> Result<(), OpenError> {
-        write_file(file, &self.solved.to_bvh())
+    pub fn export(&self, file: &Path, interpolated: bool) -> Result<(), OpenError> {
+        let solved = &self.solved;
+        write_file(file, &if interpolated { solved.to_bvh_interpolated() } else { solved.to_bvh() })
     }
 
     fn resolve(&mut self) {

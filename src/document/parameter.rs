@@ -6,7 +6,7 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{Edits, entries};
-use crate::motion::LegNames;
+use crate::{displace::Layer, motion::LegNames};
 pub use crate::path::MAX_POINTS;
 
 /// What values a parameter takes.
@@ -46,6 +46,10 @@ pub enum Kind {
     Legs,
     /// A list of plants edited by hand `[{ foot, first, last, mode }, …]`, or `auto`.
     Plants,
+    /// A list of displacement maps `[{ name, on, weight, interpolation, merged, position, rotation }, …]`, or `auto`.
+    Layers,
+    /// Two file frames `[first, last]`, or `[]` for none.
+    Frames,
 }
 
 /// How one key press changes a real number.
@@ -143,6 +147,7 @@ impl Parameter {
         let wrong_entry = value.as_array().and_then(|items| match self.kind {
             Kind::Legs => entries::read::<LegNames>(items).err(),
             Kind::Plants => entries::read_plants(items).err(),
+            Kind::Layers => entries::read::<Layer>(items).err(),
             _ => None,
         });
         match wrong_entry {
@@ -176,7 +181,7 @@ impl Parameter {
                 // Steps print as they are meant: 0.30000000000000004 is 0.3.
                 Some(Value::Float(round_to_digits(next, 9).clamp(min, max)))
             }
-            Kind::Joint | Kind::Vector | Kind::Points | Kind::Legs | Kind::Plants => None,
+            Kind::Joint | Kind::Vector | Kind::Points | Kind::Legs | Kind::Plants | Kind::Layers | Kind::Frames => None,
         }
     }
 
@@ -185,6 +190,7 @@ impl Parameter {
         match self.get(edits) {
             Value::Array(items) if self.kind == Kind::Points => format!("{} points", items.len()),
             Value::Array(items) if self.kind == Kind::Legs => format!("{} named", items.len()),
+            Value::Array(items) if self.kind == Kind::Layers => format!("{} layers", items.len()),
             Value::Boolean(on) => (if on { "on" } else { "off" }).to_owned(),
             value => show_value(&value),
         }
@@ -214,7 +220,7 @@ impl Kind {
             }
             Self::Real { min, max, .. } => as_number(value).filter(|n| (min..=max).contains(n)).map(Value::Float),
             Self::Joint => value.as_str().filter(|s| !s.is_empty()).map(word),
-            Self::Vector | Self::Points | Self::Legs | Self::Plants if auto => Some(word("auto")),
+            Self::Vector | Self::Points | Self::Legs | Self::Plants | Self::Layers if auto => Some(word("auto")),
             Self::Vector => as_vector(value).map(vector),
             Self::Points => {
                 let points: Option<Vec<_>> = value.as_array()?.iter().map(as_vector).collect();
@@ -223,6 +229,12 @@ impl Kind {
             }
             Self::Legs => entries::read::<LegNames>(value.as_array()?).ok().map(|legs| entries::value(&legs)),
             Self::Plants => entries::read_plants(value.as_array()?).ok().map(|plants| entries::value(&plants)),
+            Self::Layers => entries::read::<Layer>(value.as_array()?).ok().map(|layers| entries::value(&layers)),
+            Self::Frames => {
+                let frames: Option<Vec<i64>> = value.as_array()?.iter().map(Value::as_integer).collect();
+                let is_range = frames.is_some_and(|f| f.is_empty() || (f.len() == 2 && 0 <= f[0] && f[0] < f[1]));
+                is_range.then(|| value.clone())
+            }
         }
     }
 
@@ -240,6 +252,10 @@ impl Kind {
             Self::Points => format!("a list of 2 to {MAX_POINTS} points [[x, y, z], …] or auto"),
             Self::Legs => "a list of legs [{ side, hip, knee, ankle, toe }, …] or auto".to_owned(),
             Self::Plants => "a list of plants [{ foot, first, last, mode }, …] or auto".to_owned(),
+            Self::Layers => {
+                "a list of layers [{ name, on, weight, interpolation, merged, position, rotation }, …] or auto".to_owned()
+            }
+            Self::Frames => "two frames [first, last], or []".to_owned(),
         }
     }
 }

@@ -13,7 +13,7 @@ use toml::{
 
 use super::{
     Edits, entries,
-    parameter::{Kind, SetError, show_value},
+    parameter::{Kind, Parameter, SetError, show_value},
     table::{PARAMETERS, parameter},
 };
 
@@ -118,6 +118,13 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
 /// Returns the project's text.
 pub(super) fn print(project: &Project) -> String {
     let mut out = format!("format = {FORMAT}\n");
+    let defaults = Edits::default();
+    let differs = |parameter: &Parameter| parameter.get(&project.edits) != parameter.get(&defaults);
+    let own_tables = |parameter: &Parameter| [Kind::Plants, Kind::Layers].contains(&parameter.kind);
+    // What is in no table comes before the first one.
+    for parameter in PARAMETERS.iter().filter(|p| p.section().is_empty() && !own_tables(p) && differs(p)) {
+        out.push_str(&format!("{} = {}\n", parameter.name, print_value(&parameter.get(&project.edits))));
+    }
     let mut section = "";
     let mut begin = |out: &mut String, next: &'static str| {
         if section != next {
@@ -131,21 +138,29 @@ pub(super) fn print(project: &Project) -> String {
             out.push_str(&format!("{key} = {}\n", Value::String(value.clone())));
         }
     }
-    let defaults = Edits::default();
     let given_points = project.edits.path.control_points.is_some();
-    for parameter in PARAMETERS.iter() {
-        let value = parameter.get(&project.edits);
+    for parameter in PARAMETERS.iter().filter(|p| !p.section().is_empty() && differs(p)) {
         let implied = parameter.name == "path.points" && given_points;
-        let own_tables = parameter.kind == Kind::Plants;
-        if value != parameter.get(&defaults) && !implied && !own_tables {
+        if !implied {
             begin(&mut out, parameter.section());
             let key = parameter.name.rsplit('.').next().expect("a name has a last part");
-            out.push_str(&format!("{key} = {}\n", print_value(&value)));
+            out.push_str(&format!("{key} = {}\n", print_value(&parameter.get(&project.edits))));
         }
     }
     for plant in entries::tables(&project.edits.edited_plants) {
         out.push_str("\n[[plant]]\n");
         entries::lines(&plant).iter().for_each(|(key, value)| out.push_str(&format!("{key} = {value}\n")));
+    }
+    for layer in entries::tables(&project.edits.layers) {
+        out.push_str("\n[[layer]]\n");
+        for (key, _) in entries::lines(&layer) {
+            match &layer[key] {
+                Value::Table(maps) => maps.iter().for_each(|(joint, keys)| {
+                    out.push_str(&format!("{key}.{} = {}\n", key_text(joint), print_value(keys)));
+                }),
+                value => out.push_str(&format!("{key} = {}\n", print_value(value))),
+            }
+        }
     }
     out
 }
@@ -186,6 +201,12 @@ fn read_value(text: &str, value: &Spanned<DeValue<'_>>) -> Value {
 fn entry_start(value: &Spanned<DeValue<'_>>, error: &SetError) -> Option<usize> {
     let SetError::Entry { number, .. } = error else { return None };
     Some(value.get_ref().as_array()?.get(number - 1)?.span().start)
+}
+
+/// Returns a name as a key: bare where it can be.
+fn key_text(name: &str) -> String {
+    let is_bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if is_bare { name.to_owned() } else { Value::String(name.to_owned()).to_string() }
 }
 
 fn print_value(value: &Value) -> String {

@@ -3,9 +3,9 @@
 //! ```text
 //! clip ─┬─▶ original path ─┬─▶ residuals ─┐
 //!       │                  ├─▶ progress ──┤
-//!       ├─▶ feet ──────────┼──────────────┼─▶ what walks ─┬─▶ timing ─▶ walk, feet held ─▶ measures
-//!       └─▶ body ──────────┼──────────────┘               │
-//!                          └─▶ new path ──────────────────┘
+//!       ├─▶ feet ──────────┼──────────────┼─▶ what walks ─┬─▶ layers on it ─▶ walk, feet held ─▶ measures
+//!       └─▶ body ──────────┼──────────────┘               │                    ▲
+//!                          └─▶ new path ──────────────────┴─▶ timing ──────────┘
 //! ```
 //!
 //! What walks is the clip, or the clip joined to itself so that it lasts as long as the new path.
@@ -18,7 +18,7 @@ use std::{panic::resume_unwind, sync::Arc, thread};
 use glam::DVec3;
 
 use super::{
-    Edits, Feet, Solved, Source,
+    Edits, Feet, Posed, Solved, Source,
     holding::Carriage,
     strain::Asked,
     walked::{Loaded, repeat},
@@ -27,7 +27,7 @@ use crate::{
     curve::BSpline,
     math::Rigid,
     measure::{Body, Measured},
-    motion::{Clip, EditedClip},
+    motion::Clip,
     path::{Cycling, Integrator, MAX_POINTS, NewPath, OriginalPath, Residuals, Timing, TimingOptions, straight_line},
 };
 
@@ -91,7 +91,8 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         let blend_secs = edits.loops.blend.max(0.0);
         repeat(range, blend_secs, &progress, (new_path.length(), height), &mut cycle_warnings)
     });
-    let walked = loaded.walked(repeat, edits.plants.clean, previous);
+    let walked = loaded.walked(repeat, previous);
+    let posed = Posed::of(edits, &loaded, &walked, walks, previous);
 
     let same_timing = same_integrator.filter(|p| {
         p.walks_new_path() == walks
@@ -114,20 +115,21 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         },
     );
 
-    let holds = walks && edits.plants.hold && walked.prepared.legs().len() > 0;
-    let same_edit = same_timing.filter(|p| {
-        (!walks || Arc::ptr_eq(&p.walked.residuals, &walked.residuals))
+    let holds = walks && edits.plants.hold && posed.prepared.legs().len() > 0;
+    let same_carriage = same_timing.filter(|p| {
+        (!walks || Arc::ptr_eq(&p.posed.residuals, &posed.residuals))
+            && (walks || Arc::ptr_eq(&p.posed.base, &posed.base))
+            && p.posed.displaced.moves_as(&posed.displaced)
             && p.holding.is_some() == holds
             && (!holds
-                || (Arc::ptr_eq(&p.walked.prepared, &walked.prepared) && p.edits.plants.ground == edits.plants.ground))
+                || (Arc::ptr_eq(&p.posed.prepared, &posed.prepared) && p.edits.plants.ground == edits.plants.ground))
     });
-    // The walk shows frames of what walks; the edit says the same of the clip as loaded.
-    let (walk, holding) = match same_edit {
-        Some(p) => (Arc::clone(&p.walk), p.holding.clone()),
+    let (carried, holding) = match same_carriage {
+        Some(p) => (Arc::clone(&p.carried), p.holding.clone()),
         None => {
             let carriage = Carriage {
                 clip: &walked.clip,
-                residuals: &walked.residuals,
+                posed: &posed,
                 original: walked.path(&original),
                 progress: &walked.progress,
                 new_path: &new_path,
@@ -135,49 +137,65 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
                 restarts: if repeat.is_some() { &[] } else { &timing.seams },
             };
             if holds {
-                let (edited, holding) = carriage.held(&walked.prepared, edits.plants.ground);
+                let (edited, holding) = carriage.held(edits.plants.ground);
                 (Arc::new(edited), Some(Arc::new(holding)))
             } else {
-                let edited = if walks { carriage.plain() } else { EditedClip::unedited(Arc::clone(&clip)) };
+                let edited = if walks { carriage.plain() } else { posed.standing(&loaded) };
                 (Arc::new(edited), None)
             }
         }
     };
+    let same_edit = same_carriage.filter(|p| Arc::ptr_eq(&p.posed.displaced, &posed.displaced));
+    // The walk shows frames of what walks; the edit says the same of the clip as loaded.
+    let walk = same_edit.map_or_else(|| posed.laid_on(&carried), |p| Arc::clone(&p.walk));
     let edited = match same_edit {
         Some(p) => Arc::clone(&p.edited),
         None => walked.as_edit_of(&clip, &walk),
     };
 
     let strains = reuse(
-        same_edit,
+        same_carriage,
         |p| &p.strains,
         || {
             let holding = holding.as_deref();
             let asked =
-                Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &walked.prepared, holding };
+                Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &posed.prepared, holding };
             if walks { asked.strains() } else { Vec::new() }
         },
     );
 
-    let same_steps = same_edit.filter(|p| Arc::ptr_eq(&p.feet, &feet));
+    // What no foot hangs on does not change the feet's numbers.
+    let same_steps =
+        same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.clip, &posed.clip));
     let (measures, foot_numbers) = match (same_edit, same_steps) {
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
         _ => {
-            let placed = walked.body.placed(&walk, &walked.turning);
+            let placed = walked.body.placed(&walk, &posed.turning);
+            let own = |(f, carrier): (usize, &Rigid)| {
+                posed.undisplaced(walk.source_frame(f), *carrier, &timing.frames[f])
+            };
+            let undisplaced: Vec<Rigid> = if walks && posed.displaced.moves_carrier() {
+                walk.carrier_world.iter().enumerate().map(own).collect()
+            } else {
+                Vec::new()
+            };
+            let carried = if posed.displaced.moves_carrier() { &undisplaced } else { &walk.carrier_world };
             let measured = Measured {
                 source: &body,
                 body: &walked.body,
                 placed: &placed,
                 edited: &walk,
+                carried: walks.then_some(carried),
                 original: &original,
-                residuals: &walked.residuals,
+                residuals: &posed.residuals,
                 progress: &progress,
                 new_path: &new_path,
                 timing: &timing,
             };
             // The feet's numbers take half as long as the whole body's: a second core hides them.
             thread::scope(|scope| {
-                let numbers = scope.spawn(|| Arc::new(walked.foot_numbers(&loaded, &placed, &walk, &edited)));
+                let numbers = || walked.foot_numbers(&loaded, &placed, &walk, &edited);
+                let numbers = scope.spawn(move || reuse(same_steps, |p| &p.foot_numbers, numbers));
                 let measures = reuse(same_edit, |p| &p.measures, || measured.measures());
                 (measures, numbers.join().unwrap_or_else(|panic| resume_unwind(panic)))
             })
@@ -190,6 +208,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
     warnings.extend(original_warnings(&original));
     warnings.extend(plan.warnings);
     warnings.extend(cycle_warnings);
+    warnings.extend(posed.warnings.iter().cloned());
     warnings.extend(timing.warnings.iter().cloned());
     Solved {
         source: Arc::clone(source),
@@ -204,6 +223,8 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         timing,
         loops,
         walked,
+        posed,
+        carried,
         walk,
         edited,
         holding,

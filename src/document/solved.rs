@@ -4,7 +4,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Cause, Edits, Feet, Footprint, Holding, Loops, Strain, Walked};
+use super::{Cause, Edits, Feet, Footprint, Holding, Loops, Posed, Strain, Walked, solve};
 use crate::{
     bvh::Bvh,
     constrain::{self, Missed},
@@ -54,6 +54,10 @@ pub struct Solved {
     pub loops: Option<Arc<Loops>>,
     /// What walks the path: the clip, or the clip joined to itself.
     pub walked: Walked,
+    /// The same with displacement maps on it.
+    pub posed: Posed,
+    /// The edited clip, of what walks, its feet held; joints that no leg hangs on as they walk, without layers.
+    pub carried: Arc<EditedClip>,
     /// The edited clip, of what walks.
     pub walk: Arc<EditedClip>,
     /// The edited clip, of the clip as loaded.
@@ -163,7 +167,7 @@ impl Solved {
 
     /// Returns which plant of which foot holding means by a leg and an edited frame.
     fn held_plant(&self, leg: usize, edited_frame: usize) -> Option<(usize, usize)> {
-        let leg = self.walked.prepared.legs().nth(leg)?;
+        let leg = self.posed.prepared.legs().nth(leg)?;
         let foot_idx = self.feet.plants.iter().position(|foot| foot.leg == leg)?;
         Some((foot_idx, self.feet.plants[foot_idx].at(self.source_frame(edited_frame))?))
     }
@@ -195,7 +199,7 @@ impl Solved {
     pub fn missed_plant(&self, missed: &Missed) -> String {
         let rest = self.clip.rest_frames();
         let facts = &self.clip.facts;
-        let side = self.walked.prepared.legs().nth(missed.leg).expect("a leg that is held").side.name();
+        let side = self.posed.prepared.legs().nth(missed.leg).expect("a leg that is held").side.name();
         let [first, last, frame] = [missed.first, missed.last, missed.frame].map(|frame| frame + rest);
         format!(
             "the {side} foot cannot reach where it stands in frames {first} to {last}: {:.2} {} short at frame {frame} ({:.4} body heights)",
@@ -256,8 +260,17 @@ impl Solved {
         pieces
     }
 
-    /// Returns the edited clip as a BVH file.
+    /// Returns the edited clip as a BVH file, as it is without interpolation keys.
     pub fn to_bvh(&self) -> Vec<u8> {
+        if self.edits.interpolation_keys.is_none() {
+            return self.to_bvh_interpolated();
+        }
+        let edits = Edits { interpolation_keys: None, ..(*self.edits).clone() };
+        solve(&self.source, &Arc::new(edits), Some(self)).to_bvh_interpolated()
+    }
+
+    /// Returns the edited clip as a BVH file, as it is played: between interpolation keys their interpolation.
+    pub fn to_bvh_interpolated(&self) -> Vec<u8> {
         to_bvh(&self.source.bvh, &self.edited)
     }
 }

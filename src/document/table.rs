@@ -7,11 +7,12 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{
-    ProjectionKind, entries,
+    Axes, ProjectionKind, entries,
     parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, as_vector, vector, word},
 };
 use crate::{
     constrain::Ground,
+    displace::InterpolationKeys,
     motion::{OffsetMeaning, UpAxis},
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
@@ -52,6 +53,8 @@ const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::
 const GROUNDS: &[(&str, Ground)] = &[("steps", Ground::Steps), ("ramp", Ground::Ramp)];
 const FRAMES: &[(&str, ResidualFrame)] =
     &[("heading", ResidualFrame::Heading), ("tangent", ResidualFrame::Tangent), ("absolute", ResidualFrame::Absolute)];
+const AXES: &[(&str, Axes)] =
+    &[("world", Axes::World), ("view", Axes::View), ("parent", Axes::Parent), ("own", Axes::Own)];
 const INTEGRATORS: &[(&str, Integrator)] = &[("gauss", Integrator::Gauss), ("euler", Integrator::Euler)];
 const UPS: &[(&str, Option<UpAxis>)] = &[("auto", None), ("y", Some(UpAxis::Y)), ("z", Some(UpAxis::Z))];
 const OFFSETS: &[(&str, Option<OffsetMeaning>)] =
@@ -163,7 +166,7 @@ macro_rules! camera_rows {
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
 
-const EDITS: [Parameter; 29] = [
+const EDITS: [Parameter; 36] = [
     Parameter {
         name: "clip.carrier",
         kind: Kind::Joint,
@@ -211,6 +214,22 @@ const EDITS: [Parameter; 29] = [
         doc: "The legs by the names of their joints, when the guess is wrong.",
         get: |e| entries::value(&e.clip.legs),
         set: |e, v| e.clip.legs = v.as_array().map_or_else(Vec::new, |legs| admitted(entries::read(legs))),
+    },
+    Parameter {
+        name: "clip.clear_position",
+        kind: Kind::Switch,
+        unit: "",
+        doc: "The clip's own position data takes no part: the carrier keeps to its path, or stands where it begins.",
+        get: |e| Value::Boolean(e.cleared.position),
+        set: |e, v| e.cleared.position = switch(v),
+    },
+    Parameter {
+        name: "clip.clear_rotation",
+        kind: Kind::Switch,
+        unit: "",
+        doc: "The clip's own rotation data takes no part: every joint is as with all its rotations zero.",
+        get: |e| Value::Boolean(e.cleared.rotation),
+        set: |e, v| e.cleared.rotation = switch(v),
     },
     Parameter {
         name: "original.degree",
@@ -408,6 +427,55 @@ const EDITS: [Parameter; 29] = [
         set: |e, v| {
             e.edited_plants = v.as_array().map_or_else(Vec::new, |plants| admitted(entries::read_plants(plants)));
         },
+    },
+    Parameter {
+        name: "interpolation_keys",
+        kind: Kind::Frames,
+        unit: "file frames",
+        doc: "Between these the clip is replaced by the interpolation of their two poses; exported when asked for.",
+        get: |e| {
+            let frames = e.interpolation_keys.map_or_else(Vec::new, |keys| vec![keys.first, keys.last]);
+            Value::Array(frames.into_iter().map(|frame| Value::Integer(frame as i64)).collect())
+        },
+        set: |e, v| {
+            let frames: Vec<usize> = v.as_array().into_iter().flatten().filter_map(count).collect();
+            e.interpolation_keys = match frames[..] {
+                [first, last] => Some(InterpolationKeys { first, last }),
+                _ => None,
+            };
+        },
+    },
+    Parameter {
+        name: "pose.nudge",
+        kind: Kind::Real { min: 0.0001, max: 10.0, step: Step::Times(1.25) },
+        unit: "body heights",
+        doc: "How far one key press moves a joint.",
+        get: |e| Value::Float(e.pose.nudge),
+        set: |e, v| e.pose.nudge = float(v),
+    },
+    Parameter {
+        name: "pose.turn",
+        kind: Kind::Real { min: 0.01, max: 90.0, step: Step::Times(1.25) },
+        unit: "degrees",
+        doc: "How far one key press turns a joint.",
+        get: |e| Value::Float(e.pose.turn),
+        set: |e, v| e.pose.turn = float(v),
+    },
+    Parameter {
+        name: "pose.axes",
+        kind: Kind::Choice(&["world", "view", "parent", "own"]),
+        unit: "",
+        doc: "Axes along which joints move and about which they turn: the clip's, the view's, the parent's, their own.",
+        get: |e| word_of(AXES, &e.pose.axes),
+        set: |e, v| e.pose.axes = choice_of(AXES, v),
+    },
+    Parameter {
+        name: "layer",
+        kind: Kind::Layers,
+        unit: "file frames",
+        doc: "Displacement maps, bottom to top; rotations [w, x, y, z], positions [lateral, up, forward] of the path.",
+        get: |e| entries::value(&e.layers),
+        set: |e, v| e.layers = v.as_array().map_or_else(Vec::new, |layers| admitted(entries::read(layers))),
     },
 ];
 

@@ -7,11 +7,10 @@ use std::sync::Arc;
 
 use super::{Feet, LoopEdits, Solved, feet, solve::reuse};
 use crate::{
-    constrain::Prepared,
     contact::FootPlants,
     cycle::{Join, Joined, Loop, LoopFinder, LoopRange, Mismatch},
     math::Rigid,
-    measure::{Body, FootNumbers, Placed, Turning},
+    measure::{Body, FootNumbers, Placed},
     motion::{Clip, EditedClip, TurnedJoint},
     path::{OriginalPath, PathFrame, Residuals, may_cycle},
 };
@@ -49,10 +48,6 @@ pub struct Walked {
     pub progress: Arc<Vec<f64>>,
     /// When each of its feet stands, in the order of the legs.
     pub plants: Vec<FootPlants>,
-    /// The legs that can be held, ready to be.
-    pub prepared: Arc<Prepared>,
-    /// The joints that holding turns, ready to be measured.
-    pub turning: Arc<Turning>,
 }
 
 impl Walked {
@@ -117,7 +112,7 @@ pub(super) struct Loaded<'a> {
 
 impl Loaded<'_> {
     /// Returns what walks the path.
-    pub(super) fn walked(&self, repeat: Option<Repeat>, clean: bool, previous: Option<&Solved>) -> Walked {
+    pub(super) fn walked(&self, repeat: Option<Repeat>, previous: Option<&Solved>) -> Walked {
         let (joined, clip, body, residuals, progress, plants) = match repeat {
             Some(repeat) => {
                 let same = previous.filter(|p| p.walked.repeat == Some(repeat) && self.is_path_of(p));
@@ -144,12 +139,7 @@ impl Loaded<'_> {
                 self.feet.plants.clone(),
             ),
         };
-        let same_legs = previous.filter(|p| {
-            Arc::ptr_eq(&p.walked.clip, &clip) && p.walked.plants == plants && p.edits.plants.clean == clean
-        });
-        let prepared = reuse(same_legs, |p| &p.walked.prepared, || feet::prepared(&clip, &plants, clean));
-        let turning = reuse(same_legs, |p| &p.walked.turning, || feet::turning(&clip, &prepared));
-        Walked { repeat, joined, clip, body, residuals, progress, plants, prepared, turning }
+        Walked { repeat, joined, clip, body, residuals, progress, plants }
     }
 
     /// Tells whether an earlier solve has the same clip on the same path.

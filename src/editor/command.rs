@@ -333,8 +333,19 @@ pub const COMMANDS: &[Command] = &[
     }),
     row(Group::File, "export", &["E"], "Export the edited clip as BVH.", always, |e, _| {
         let offered = export_name(e);
-        ask(e, Asking::Export, &offered)
+        ask(e, Asking::Export { interpolated: false }, &offered)
     }),
+    row(
+        Group::File,
+        "export.interpolated",
+        &["<c-e>"],
+        "Export as it is played, the clip replaced between interpolation keys.",
+        |e| e.document.edits().interpolation_keys.is_some(),
+        |e, _| {
+            let offered = export_name(e);
+            ask(e, Asking::Export { interpolated: true }, &offered)
+        },
+    ),
     row(Group::File, "redraw", &["<c-l>"], "Draw everything anew.", always, |_, _| Effect::Redraw),
     row(Group::File, "suspend", &["<c-z>"], "Stop until the shell continues us.", always, |_, _| Effect::Suspend),
     row(Group::File, "quit", &["q", "<c-c>"], "Quit; asks when the project is not saved.", always, |e, _| {

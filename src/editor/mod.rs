@@ -246,10 +246,18 @@ impl Editor {
                 None => self.say(Message::error(format!("expected three numbers x y z, found `{text}`"))),
             },
             Asking::Save => self.ask_or(&as_project_name(text), Asking::OverwriteSave, Self::save_to),
-            Asking::Export => self.ask_or(text, Asking::OverwriteExport, Self::export_to),
+            Asking::Export { interpolated } => {
+                let interpolated = *interpolated;
+                let overwrite = |file| Asking::OverwriteExport { file, interpolated };
+                self.ask_or(text, overwrite, |editor, file| editor.export_to(file, interpolated));
+            }
             Asking::OverwriteSave(file) if text.starts_with('y') => self.save_to(&file.clone()),
-            Asking::OverwriteExport(file) if text.starts_with('y') => self.export_to(&file.clone()),
-            Asking::OverwriteSave(_) | Asking::OverwriteExport(_) => self.say(Message::note("not written".to_owned())),
+            Asking::OverwriteExport { file, interpolated } if text.starts_with('y') => {
+                self.export_to(&file.clone(), *interpolated);
+            }
+            Asking::OverwriteSave(_) | Asking::OverwriteExport { .. } => {
+                self.say(Message::note("not written".to_owned()));
+            }
         }
         if self.view.message.as_ref().is_some_and(|m| m.severity == Severity::Error) && self.prompt.is_none() {
             self.prompt = Some(prompt.again());
@@ -258,7 +266,7 @@ impl Editor {
     }
 
     /// Writes to the named file; one that exists and is not this document's own is asked about first.
-    fn ask_or(&mut self, text: &str, overwrite: fn(PathBuf) -> Asking, write: fn(&mut Self, &Path)) {
+    fn ask_or(&mut self, text: &str, overwrite: impl Fn(PathBuf) -> Asking, write: impl Fn(&mut Self, &Path)) {
         let file = PathBuf::from(text.trim());
         if file.exists() && self.document.project() != Some(file.as_path()) {
             self.prompt = Some(Prompt::new(overwrite(file), ""));
@@ -274,8 +282,8 @@ impl Editor {
         }
     }
 
-    fn export_to(&mut self, file: &Path) {
-        match self.document.export(file) {
+    fn export_to(&mut self, file: &Path, interpolated: bool) {
+        match self.document.export(file, interpolated) {
             Ok(()) => {
                 let n = self.document.solved().n_exported_frames();
                 let frames = if n == 1 { "frame" } else { "frames" };

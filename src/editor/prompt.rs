@@ -24,11 +24,19 @@ pub enum Asking {
     /// The project file to save to.
     Save,
     /// The BVH file to export to.
-    Export,
+    Export {
+        /// As it is played between interpolation keys.
+        interpolated: bool,
+    },
     /// Whether this file may be replaced by the project.
     OverwriteSave(PathBuf),
     /// Whether this file may be replaced by the clip.
-    OverwriteExport(PathBuf),
+    OverwriteExport {
+        /// The file.
+        file: PathBuf,
+        /// As it is played between interpolation keys.
+        interpolated: bool,
+    },
     /// Whether to leave with unsaved edits.
     Quit,
 }
@@ -70,8 +78,9 @@ impl Prompt {
             Asking::Assignment => "set NAME=VALUE:".to_owned(),
             Asking::Coordinates { point_idx } => format!("point {} x y z:", point_idx + 1),
             Asking::Save => "save project as:".to_owned(),
-            Asking::Export => "export BVH to:".to_owned(),
-            Asking::OverwriteSave(file) | Asking::OverwriteExport(file) => {
+            Asking::Export { interpolated: false } => "export BVH to:".to_owned(),
+            Asking::Export { interpolated: true } => "export BVH, interpolation included, to:".to_owned(),
+            Asking::OverwriteSave(file) | Asking::OverwriteExport { file, .. } => {
                 format!("{} exists; replace it? (y/n)", file.display())
             }
             Asking::Quit => "quit without saving the project? (y/n)".to_owned(),
@@ -84,7 +93,7 @@ impl Prompt {
     }
 
     fn is_yes_no(&self) -> bool {
-        matches!(self.asking, Asking::Quit | Asking::OverwriteSave(_) | Asking::OverwriteExport(_))
+        matches!(self.asking, Asking::Quit | Asking::OverwriteSave(_) | Asking::OverwriteExport { .. })
     }
 
     pub(super) fn key(&mut self, key: Key) -> Answer {

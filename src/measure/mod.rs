@@ -66,6 +66,8 @@ pub struct Measured<'a> {
     pub placed: &'a Placed<'a>,
     /// The edited clip.
     pub edited: &'a EditedClip,
+    /// Its carrier without what layers do; none while no new path is walked.
+    pub carried: Option<&'a [Rigid]>,
     /// The path fitted to the clip.
     pub original: &'a OriginalPath,
     /// What it leaves over.
@@ -82,10 +84,9 @@ impl Measured<'_> {
     /// Takes the numbers.
     pub fn measures(&self) -> Measures {
         let height = self.original.height();
-        let carriers = &self.edited.carrier_world;
         let source = self.source.source();
         // Without an edit the frames are the source's, and so are the numbers.
-        let is_source = carriers.is_empty() && self.edited.turned.is_empty();
+        let is_source = self.edited.carrier_world.is_empty() && self.edited.turned.is_empty();
         let sweep = if is_source { source } else { self.body.sweep(self.placed) };
         let jerk_ratio = match (sweep.mean_jerk, source.mean_jerk) {
             (Some(edited), Some(source)) if source > LEAST_JERK * height => Some(edited / source),
@@ -96,7 +97,7 @@ impl Measured<'_> {
             path_length: Pair { source: self.progress[self.progress.len() - 1], edited: self.timing.path_length },
             residual_rms: self.original.deviation_rms() / height,
             jerk_ratio,
-            path_error: (!carriers.is_empty()).then(|| self.path_error(carriers) / height),
+            path_error: self.carried.map(|carried| self.path_error(carried) / height),
             seam: seam::seams(self.edited, &self.timing.seams, height),
         }
     }

@@ -94,6 +94,11 @@ impl Turning {
         Self { joints: turning.collect() }
     }
 
+    /// Returns the joints, in the skeleton's order.
+    pub fn joints(&self) -> impl Iterator<Item = JointId> + '_ {
+        self.joints.iter().map(|turning| turning.joint)
+    }
+
     fn joint(&self, joint: JointId) -> &TurningJoint {
         let at = self.joints.binary_search_by_key(&joint.idx(), |turning| turning.joint.idx());
         &self.joints[at.expect("every turned joint is prepared")]
