@@ -232,7 +232,8 @@ fn add_keys(
     let mut layer = edits.layers[layer_idx].clone();
     let mut any = false;
     for name in &selection.joints {
-        let Some(joint) = find_joint(&clip.skeleton, name).filter(|&joint| crate::displace::can_turn(clip, joint)) else {
+        let Some(joint) = find_joint(&clip.skeleton, name).filter(|&joint| crate::displace::can_turn(clip, joint))
+        else {
             continue;
         };
         any = true;

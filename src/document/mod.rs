@@ -29,17 +29,17 @@ use std::{path::Path, path::PathBuf, sync::Arc};
 pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
-    Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, PoseEdits, ProjectionKind,
-    ResidualEdits, Show, TimingEdits, ViewEdits,
+    Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, PoseEdits,
+    ProjectionKind, ResidualEdits, Show, TimingEdits, ViewEdits,
 };
 pub use feet::{Feet, FoundFeet};
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use footprint::{Footprint, SourcePrint};
 pub use history::History;
 pub use holding::Holding;
+pub use layers::{KeyChange, LayerChange, LayerRefusal};
 pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
 pub use plants::PlantRefusal;
-pub use layers::{KeyChange, LayerChange, LayerRefusal};
 pub use posed::{Base, Cleared, Posed};
 pub use posing::PoseChange;
 pub use project::{FORMAT, Problem, Project, ProjectError};

@@ -6,8 +6,8 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{Edits, entries};
-use crate::{displace::Layer, motion::LegNames};
 pub use crate::path::MAX_POINTS;
+use crate::{displace::Layer, motion::LegNames};
 
 /// What values a parameter takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -253,7 +253,8 @@ impl Kind {
             Self::Legs => "a list of legs [{ side, hip, knee, ankle, toe }, …] or auto".to_owned(),
             Self::Plants => "a list of plants [{ foot, first, last, mode }, …] or auto".to_owned(),
             Self::Layers => {
-                "a list of layers [{ name, on, weight, interpolation, merged, position, rotation }, …] or auto".to_owned()
+                "a list of layers [{ name, on, weight, interpolation, merged, position, rotation }, …] or auto"
+                    .to_owned()
             }
             Self::Frames => "two frames [first, last], or []".to_owned(),
         }

@@ -15,9 +15,7 @@ use glam::{DQuat, DVec3};
 use super::{Edits, Solved, Walked, feet, solve::reuse, walked::Loaded};
 use crate::{
     constrain::Prepared,
-    displace::{
-        Displaced, Interpolation, Stack, can_turn, interpolated_joints, interpolated_motions,
-    },
+    displace::{Displaced, Interpolation, Stack, can_turn, interpolated_joints, interpolated_motions},
     math::Rigid,
     measure::Turning,
     motion::{Clip, EditedClip, TurnedJoint},
@@ -69,13 +67,7 @@ pub struct Posed {
 
 impl Posed {
     /// Lays the user's layers on what walks. `walks`: it is carried along a new path.
-    pub(super) fn of(
-        edits: &Edits,
-        loaded: &Loaded,
-        walked: &Walked,
-        walks: bool,
-        previous: Option<&Solved>,
-    ) -> Self {
+    pub(super) fn of(edits: &Edits, loaded: &Loaded, walked: &Walked, walks: bool, previous: Option<&Solved>) -> Self {
         let same_clip = previous.filter(|p| Arc::ptr_eq(&p.clip, loaded.clip));
         let same_base = same_clip.filter(|p| {
             (p.edits.cleared, p.edits.interpolation_keys) == (edits.cleared, edits.interpolation_keys)
@@ -117,17 +109,15 @@ impl Posed {
         };
 
         // Arms and heads may do what they like: the legs are prepared anew only where something bears on them.
-        let is_leg = |joint: JointId| {
-            (walked.plants.iter()).any(|foot| loaded.clip.skeleton.is_within(foot.leg.ankle, joint))
-        };
+        let is_leg =
+            |joint: JointId| (walked.plants.iter()).any(|foot| loaded.clip.skeleton.is_within(foot.leg.ankle, joint));
         let bears = displaced.moves_carrier()
             || !base.motions.is_empty()
             || displaced.turned.iter().any(|turned| is_leg(turned.joint));
         let clip = if bears {
             let path = walked.path(loaded.original);
-            let same = same_joints.filter(|p| {
-                Arc::ptr_eq(&p.posed.residuals, &residuals) && Arc::ptr_eq(&p.original, loaded.original)
-            });
+            let same = same_joints
+                .filter(|p| Arc::ptr_eq(&p.posed.residuals, &residuals) && Arc::ptr_eq(&p.original, loaded.original));
             reuse(same, |p| &p.posed.clip, || posed_clip(walked, &displaced, &residuals, path))
         } else {
             Arc::clone(&walked.clip)
@@ -141,8 +131,7 @@ impl Posed {
             reuse(same_legs, |p| &p.posed.prepared, || feet::prepared(&clip, &walked.plants, edits.plants.clean));
         let joints = turning_joints(&walked.clip, &prepared, &displaced);
         let same_turning = same_walk.filter(|p| p.posed.turning.joints().eq(joints.iter().copied()));
-        let turning =
-            reuse(same_turning, |p| &p.posed.turning, || Turning::of(&walked.clip, joints.iter().copied()));
+        let turning = reuse(same_turning, |p| &p.posed.turning, || Turning::of(&walked.clip, joints.iter().copied()));
         let warnings = if edits.layers.is_empty() { Vec::new() } else { stack.warnings() };
         Self { base, of_clip, displaced, residuals, clip, prepared, turning, warnings }
     }
@@ -193,7 +182,9 @@ impl Base {
         let (cleared, keys) = (edits.cleared, edits.interpolation_keys);
         let joints = if cleared.rotation {
             let turned = clip.skeleton.ids().filter(|&id| id != clip.facts.carrier.value && can_turn(clip, id));
-            turned.map(|joint| TurnedJoint { joint, rotations: vec![rest_rotation(clip, joint); clip.n_frames()] }).collect()
+            turned
+                .map(|joint| TurnedJoint { joint, rotations: vec![rest_rotation(clip, joint); clip.n_frames()] })
+                .collect()
         } else {
             keys.map_or_else(Vec::new, |keys| interpolated_joints(clip, keys, Interpolation::Quaternion))
         };

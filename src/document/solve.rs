@@ -158,22 +158,19 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         |p| &p.strains,
         || {
             let holding = holding.as_deref();
-            let asked =
-                Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &posed.prepared, holding };
+            let asked = Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &posed.prepared, holding };
             if walks { asked.strains() } else { Vec::new() }
         },
     );
 
     // What no foot hangs on does not change the feet's numbers.
-    let same_steps =
-        same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.clip, &posed.clip));
+    let same_steps = same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.clip, &posed.clip));
     let (measures, foot_numbers) = match (same_edit, same_steps) {
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
         _ => {
             let placed = walked.body.placed(&walk, &posed.turning);
-            let own = |(f, carrier): (usize, &Rigid)| {
-                posed.undisplaced(walk.source_frame(f), *carrier, &timing.frames[f])
-            };
+            let own =
+                |(f, carrier): (usize, &Rigid)| posed.undisplaced(walk.source_frame(f), *carrier, &timing.frames[f]);
             let undisplaced: Vec<Rigid> = if walks && posed.displaced.moves_carrier() {
                 walk.carrier_world.iter().enumerate().map(own).collect()
             } else {
