@@ -102,6 +102,30 @@ fn info_and_measure_say_what_scripts_expect() {
 }
 
 #[test]
+fn maps_prints_the_keys_of_a_project() {
+    let layer = "layer=[{name='wave', weight=0.5, interpolation='euler_cubic', position=[{frame=7, value=[0.25,0,-1]}], \
+                 rotation={LeftElbow=[{frame=3, value=[0.5,0.5,0.5,0.5]}], Neck=[{frame=3, value=[1,0,0,0]}]}}]";
+    let all = done(&["maps", "--set", layer, "--set", "interpolation_keys=[10, 20]"]);
+    assert_eq!(
+        all,
+        "wave: on, weight 0.5, Euler cubic\n  frame      3  LeftElbow  120.000° about [0.577, 0.577, 0.577]\n  \
+         frame      3  Neck  0.000° about [0.000, 0.000, 0.000]\n  \
+         frame      7  position  lateral 0.2500  up 0.0000  forward -1.0000\ninterpolated between frames 10 and 20\n"
+    );
+    let neck = done(&["maps", "--set", layer, "--joint", "Neck"]);
+    assert_eq!(neck.lines().count(), 2, "{neck}");
+    let value = json(&["maps", "--json", "--position", "--set", layer]);
+    assert_eq!(
+        value["layers"][0]["points"],
+        serde_json::json!([{ "frame": 7, "map": "position", "value": [0.25, 0.0, -1.0] }])
+    );
+    assert_eq!(value["layers"][0]["interpolation"], "euler_cubic");
+    assert_eq!(done(&["maps"]), "no layers\n");
+    refused(&["maps", "--joint", "Nobody"], 2, "there is no joint Nobody");
+    refused(&["maps", "--set", "layer=[{name='a', weight=2}]"], 2, "weight is 0 to 1");
+}
+
+#[test]
 fn plants_and_feet_are_told_with_the_source_beside_the_edited_clip() {
     let info = json(&["info", "--json"]);
     assert_eq!(info["legs"].as_array().map(Vec::len), Some(2));

@@ -104,6 +104,21 @@ pub enum Verb {
         #[arg(long, value_name = "NAME=LIMIT")]
         fail: Vec<Limit>,
     },
+    /// Prints the keys of displacement maps, layer by layer.
+    Maps {
+        /// Whose.
+        #[command(flatten)]
+        clip: Clip,
+        /// Only this joint's; may be given often.
+        #[arg(long, value_name = "NAME")]
+        joint: Vec<String>,
+        /// Only the carrier's position, beside the joints named.
+        #[arg(long)]
+        position: bool,
+        /// Prints JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Says what was found: terminal, colours, Vulkan driver, display.
     Doctor,
     /// Prints the parameter table.

@@ -8,6 +8,7 @@ mod doctor;
 mod export;
 mod info;
 mod limits;
+mod maps;
 mod measure;
 mod render;
 mod tables;
@@ -65,6 +66,7 @@ pub fn run(verb: &Verb) -> ExitCode {
         Verb::Info { clip, json } => info::run(clip, *json),
         Verb::Export { clip, output, interpolated } => export::run(clip, output, *interpolated),
         Verb::Render { clip, output, picture } => render::run(clip, output, picture),
+        Verb::Maps { clip, joint, position, json } => maps::run(clip, joint, *position, *json),
         Verb::Measure { clip, json, fail } => measure::run(clip, *json, fail),
         Verb::Doctor => doctor::run(),
         Verb::Params => print(&tables::params()),

@@ -23,6 +23,15 @@ pub enum Interpolation {
 impl Interpolation {
     /// All of them, in the order in which they are offered.
     pub const ALL: [Self; 3] = [Self::Quaternion, Self::EulerLinear, Self::EulerCubic];
+
+    /// Returns its name for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Quaternion => "quaternion",
+            Self::EulerLinear => "Euler linear",
+            Self::EulerCubic => "Euler cubic",
+        }
+    }
 }
 
 /// A displacement map for a whole body (`[[layer]]` of a project).

@@ -1,10 +1,10 @@
 //! Key commands on the selected maps of a layer: walk, delete, move, copy, list.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, fmt};
 
 use glam::{DQuat, DVec3};
 
-use super::{Keys, Layer};
+use super::{Keys, Layer, slerp};
 
 /// Which maps of a layer a command is about.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -31,6 +31,20 @@ pub enum PointValue {
     Position(DVec3),
     /// Rotation Δ of a joint.
     Rotation(String, DQuat),
+}
+
+impl fmt::Display for PointValue {
+    /// For people: offsets in the clip's unit, turns in degrees about an axis of the joint's own space.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Position(by) => write!(f, "position  lateral {:.4}  up {:.4}  forward {:.4}", by.x, by.y, by.z),
+            Self::Rotation(joint, turn) => {
+                let vector = slerp::rotation_vector(slerp::short_way(*turn));
+                let (axis, angle) = (vector.normalize_or_zero(), vector.length().to_degrees());
+                write!(f, "{joint}  {angle:.3}° about [{:.3}, {:.3}, {:.3}]", axis.x, axis.y, axis.z)
+            }
+        }
+    }
 }
 
 impl Selection {
