@@ -3,7 +3,9 @@
 use walkabout::{
     contact::{PlantEditMode, PlantMode},
     document::{self, Change, Document},
-    editor::{Editor, Effect, RowKind, TABS},
+    editor::{Editor, Effect, Handle, RowKind, TABS},
+    link::check_scene,
+    scene::{Ray, Role, Scene},
 };
 
 fn editor() -> Editor {
@@ -492,10 +494,159 @@ fn legs_are_typed_whole_and_wrong_ones_are_told() {
     let legs = "[{ side = \"left\", hip = \"RightHip\", knee = \"RightKnee\", ankle = \"Nowhere\" }]";
     e.keys(&format!(":clip.legs={}<enter>", legs.replace(' ', "<space>")));
     assert!(message(&e).contains("\"Nowhere\""), "{}", message(&e));
-    e.keys("<tab><tab><tab><tab>");
+    e.keys("<tab><tab><tab><tab><tab>");
     while e.rows().iter().find(|r| r.selected).is_none_or(|r| r.label != "clip.legs") {
         e.keys("j");
     }
     e.keys("<enter>");
     assert_eq!(e.prompt().expect("typing").text, legs, "the list is offered, not its length");
+}
+
+/// Which joints keys act on, as one line: the one that keys move, then the selected ones.
+fn joints(editor: &Editor) -> String {
+    let skeleton = &editor.document().solved().clip.skeleton;
+    let name = |handle: Handle| match handle {
+        Handle::Position => "position".to_owned(),
+        Handle::Joint(id) => skeleton.joint(id).name.clone(),
+    };
+    let joints = &editor.view().joints;
+    let selected: Vec<_> = joints.selected.iter().map(|&handle| name(handle)).collect();
+    format!("{}: {}", name(joints.active), selected.join(" "))
+}
+
+#[track_caller]
+fn check_joints(keys: &str, expected: &str) {
+    let mut editor = editor();
+    editor.keys(keys);
+    assert_eq!(joints(&editor), expected, "after {keys}");
+    assert_eq!(editor.document().depth(), (0, 0), "what is selected is not history");
+}
+
+#[test]
+fn the_joint_tree_is_walked() {
+    check_joints("", "Hips: ");
+    check_joints("gc", "Spine: ");
+    check_joints("gcgp", "Hips: ");
+    check_joints("gp", "Hips: ");
+    check_joints("gs", "Hips: ");
+    check_joints("gcgs", "LeftHip: ");
+    check_joints("gcgsgm", "RightHip: ");
+    check_joints("gcgsgmgcgcgm", "LeftAnkle: ");
+    check_joints("gcgS", "RightHip: ");
+    check_joints("gcgsgsgs", "Spine: ");
+    check_joints("gcgm", "Spine: ");
+    check_joints("gcgcgcgcgc", "Head: ");
+    let mut editor = editor();
+    editor.keys("gp");
+    assert_eq!(editor.view().message.as_ref().map(|m| m.text.as_str()), Some("there is no joint above Hips"));
+}
+
+#[test]
+fn joints_are_selected() {
+    check_joints("gt", "Hips: Hips");
+    check_joints("gtgt", "Hips: ");
+    check_joints("gcgcgr", "Chest: Hips Spine Chest");
+    check_joints("gcgcgrgr", "Chest: ");
+    check_joints("gcgcgtgr", "Chest: Hips Spine Chest");
+    check_joints("gcgcgrgpgt", "Spine: Hips Chest");
+    check_joints("gcgcgrgn", "Chest: ");
+    let mut editor = editor();
+    editor.keys("ga");
+    let n_joints = editor.document().solved().clip.skeleton.n_joints();
+    assert_eq!(editor.view().joints.selected.len(), n_joints + 1, "the carrier's position too");
+    editor.keys("gcgcgtgi");
+    assert_eq!(joints(&editor), "Chest: Chest");
+    editor.keys("gngi");
+    assert_eq!(editor.view().joints.selected.len(), n_joints + 1);
+}
+
+#[test]
+fn the_joints_tab_and_the_joint_that_keys_move_go_together() {
+    let row = |e: &Editor| e.rows().into_iter().find(|r| r.selected).map(|r| r.label.trim().to_owned());
+    let mut e = editor();
+    e.keys("<tab><tab><tab><tab>");
+    assert_eq!((TABS[e.view().tab_idx].title(), row(&e).as_deref()), ("joints", Some("○ Hips")));
+    e.keys("jjgt");
+    assert_eq!((joints(&e).as_str(), row(&e).as_deref()), ("Chest: Chest", Some("◉ Chest")));
+    e.keys("kkkgt");
+    assert_eq!((joints(&e).as_str(), row(&e).as_deref()), ("position: position Chest", Some("◉ position of Hips")));
+    e.keys("k");
+    assert_eq!(row(&e).as_deref(), Some("◉ position of Hips"), "the first row");
+    e.keys("<tab>gcgc<s-tab>");
+    assert_eq!(row(&e).as_deref(), Some("◉ Chest"), "walked to from another tab");
+}
+
+#[test]
+fn the_selection_is_seen_in_the_scene() {
+    let count = |e: &Editor| {
+        let scene = e.scene();
+        check_scene(&scene).expect("a scene that can be shown");
+        let limbs = scene.still.bodies.iter().flat_map(|b| &b.limbs).filter(|l| l.role == Role::SelectedJoint).count();
+        let marks = |role| scene.now.marks.iter().filter(|m| m.role == role).count();
+        (limbs, marks(Role::SelectedJoint), marks(Role::ActiveJoint))
+    };
+    let mut e = editor();
+    assert_eq!(count(&e), (0, 0, 0));
+    e.keys("gcgsgcgt");
+    assert_eq!(count(&e), (1, 1, 0), "the left shin");
+    let revision = e.scene().still.revision;
+    e.keys("<tab><tab><tab><tab>");
+    assert_eq!(count(&e), (1, 0, 1), "where joints are edited the one that keys move is seen too");
+    e.keys("gc");
+    assert_eq!(count(&e), (1, 1, 1));
+    assert_eq!(e.scene().still.revision, revision, "walking makes nothing anew that stays");
+    let skeleton = &e.document().solved().clip.skeleton;
+    let knee = skeleton.find("LeftKnee").expect("a joint of the built-in walk");
+    let scene = e.scene();
+    let mark = scene.now.marks.iter().find(|m| m.role == Role::SelectedJoint).expect("just counted");
+    assert_eq!(mark.at, scene.now.actors[1][knee.idx()]);
+    e.keys("gn");
+    assert_eq!(count(&e), (0, 0, 1));
+}
+
+/// Returns the ray of the view through a point of the new actor, moved by a share of the body height to the right.
+fn ray_to(scene: &Scene, point: usize, aside: f64) -> Ray {
+    let camera = scene.now.views[0].camera;
+    let right = (camera.target - camera.eye).cross(camera.up).normalize();
+    let to = scene.now.actors[1][point] + aside * scene.still.body_height * right;
+    Ray { view: 0, origin: camera.eye, direction: (to - camera.eye).normalize() }
+}
+
+#[test]
+fn a_click_on_a_joint_toggles_the_chain_from_it_to_the_root() {
+    let mut e = editor();
+    e.keys("f");
+    let skeleton = e.document().solved().clip.skeleton.clone();
+    let click = |e: &mut Editor, point: usize, aside: f64, away: f64| {
+        let scene = e.scene();
+        e.press(&scene, &ray_to(&scene, point, aside));
+        e.drag(&ray_to(&scene, point, aside + away));
+        e.release();
+    };
+    let knee = skeleton.find("LeftKnee").expect("a joint of the built-in walk").idx();
+    click(&mut e, knee, 0.0, 0.0);
+    assert_eq!(joints(&e), "LeftKnee: Hips LeftHip LeftKnee");
+    click(&mut e, knee, 0.01, 0.002);
+    assert_eq!(joints(&e), "LeftKnee: ", "again, a hand that trembles a little");
+    click(&mut e, knee, 0.0, 0.2);
+    assert_eq!(joints(&e), "LeftKnee: ", "a drag is no click");
+    click(&mut e, knee, 2.0, 0.0);
+    assert_eq!(joints(&e), "LeftKnee: ", "nothing is there");
+    let toe =
+        skeleton.end_sites().iter().position(|&id| skeleton.joint(id).name == "LeftToe").expect("has an end site");
+    click(&mut e, skeleton.n_joints() + toe, 0.0, 0.0);
+    assert_eq!(joints(&e), "LeftToe: Hips LeftHip LeftKnee LeftAnkle LeftToe");
+    e.release();
+    e.drag(&ray_to(&e.scene(), knee, 0.0));
+    assert_eq!(joints(&e), "LeftToe: Hips LeftHip LeftKnee LeftAnkle LeftToe", "without a press");
+    let scene = e.scene();
+    e.press(&scene, &Ray { view: 3, ..ray_to(&scene, knee, 0.0) });
+    e.release();
+    assert_eq!(e.view().joints.selected.len(), 5, "a view that is not there");
+    let ray = ray_to(&e.scene(), 0, 0.0);
+    e.keys("vn");
+    let hidden = e.scene();
+    e.press(&hidden, &ray);
+    e.release();
+    assert_eq!(e.view().joints.selected.len(), 5, "what is not seen is not clicked on");
 }

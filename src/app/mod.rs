@@ -239,8 +239,15 @@ impl App {
                 self.close_pane();
                 self.editor.say(Message::warning(why));
             }
-            // Clicks are for later tools; a window sends no frames.
-            (_, FromPreview::Pick(_) | FromPreview::Drag(_) | FromPreview::Release) => {}
+            (_, FromPreview::Pick(ray)) => {
+                // What was clicked on is what the preview was given.
+                if let Some(scene) = &self.given {
+                    self.editor.press(scene, &ray);
+                }
+            }
+            (_, FromPreview::Drag(ray)) => self.editor.drag(&ray),
+            (_, FromPreview::Release) => self.editor.release(),
+            // A window sends no frames.
             (_, FromPreview::Key(_) | FromPreview::Ready { .. } | FromPreview::Frame(_)) => {}
         }
     }

@@ -3,6 +3,7 @@
 use crate::{
     motion::Clip,
     scene::{Body, Limb, Role},
+    skeleton::JointId,
 };
 
 /// Radius of a limb, as a share of its length and within bounds of the body height.
@@ -28,8 +29,15 @@ pub(super) fn body(clip: &Clip, role: Role) -> Body {
         .filter_map(|(from, to)| {
             let length = points[from].distance(points[to]);
             let radius = (RADIUS_SHARE * length).clamp(RADIUS_MIN * height, RADIUS_MAX * height);
-            (length > SHORTEST * height).then_some(Limb { from: from as u32, to: to as u32, radius })
+            (length > SHORTEST * height).then_some(Limb { role, from: from as u32, to: to as u32, radius })
         })
         .collect();
     Body { role, limbs }
+}
+
+/// Marks the limbs that these joints turn as theirs.
+pub(super) fn mark_selected(body: &mut Body, is_selected: impl Fn(JointId) -> bool) {
+    for limb in body.limbs.iter_mut().filter(|limb| is_selected(JointId(limb.from))) {
+        limb.role = Role::SelectedJoint;
+    }
 }

@@ -8,7 +8,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, loops,
+    feet, joints, loops,
 };
 use crate::{
     contact::PlantMode,
@@ -29,6 +29,8 @@ pub enum Group {
     Shapes,
     /// Foot plants.
     Feet,
+    /// Joints: which are selected.
+    Joints,
     /// Cameras.
     Camera,
     /// What is drawn.
@@ -46,6 +48,7 @@ impl Group {
             Self::Points => "control points",
             Self::Shapes => "ready shapes",
             Self::Feet => "feet",
+            Self::Joints => "joints",
             Self::Camera => "camera",
             Self::Show => "show",
             Self::File => "file, undo, window",
@@ -100,7 +103,7 @@ fn steps(editor: &Editor) -> bool {
     match selected_row(editor).map(|r| r.kind) {
         Some(RowKind::Parameter(name)) => stepped(editor, name, 1, false).is_some(),
         Some(RowKind::Plant { .. }) => true,
-        Some(RowKind::Point { .. } | RowKind::Loop { .. } | RowKind::Fact) | None => false,
+        Some(RowKind::Point { .. } | RowKind::Loop { .. } | RowKind::Joint(_) | RowKind::Fact) | None => false,
     }
 }
 
@@ -231,6 +234,22 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Feet, "plant.add", &["ma"], "Add a plant at the playhead.", feet::has_foot, feet::add),
     row(Group::Feet, "plant.delete", &["md"], "Delete it.", feet::has_plant, feet::delete),
     row(Group::Feet, "plant.found", &["mr"], "All plants of the foot as found.", feet::has_foot, feet::foot_as_found),
+    row(Group::Joints, "joint.parent", &["gp"], "To the joint above.", always, |e, _| joints::parent(e)),
+    row(Group::Joints, "joint.child", &["gc"], "To the first joint below.", always, |e, _| joints::child(e)),
+    row(Group::Joints, "joint.next", &["gs"], "To the next joint beside.", always, |e, _| joints::next_sibling(e)),
+    row(Group::Joints, "joint.previous", &["gS"], "To the joint beside before.", always, |e, _| {
+        joints::previous_sibling(e)
+    }),
+    row(Group::Joints, "joint.mirror", &["gm"], "To the joint on the other side.", always, |e, _| {
+        joints::other_side(e)
+    }),
+    row(Group::Joints, "joint.toggle", &["gt"], "Select the joint, or not.", always, |e, _| joints::toggle(e)),
+    row(Group::Joints, "joint.chain", &["gr"], "Select all from it to the root, or not.", always, |e, _| {
+        joints::toggle_chain(e)
+    }),
+    row(Group::Joints, "joint.all", &["ga"], "Select all joints.", always, |e, _| joints::select_all(e)),
+    row(Group::Joints, "joint.none", &["gn"], "Select no joint.", always, |e, _| joints::select_none(e)),
+    row(Group::Joints, "joint.invert", &["gi"], "Select the other joints.", always, |e, _| joints::invert(e)),
     row(Group::Camera, "camera.1", &["1"], "Camera 1, three-quarter.", always, |e, _| use_camera(e, 0)),
     row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, _| use_camera(e, 1)),
     row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, _| use_camera(e, 2)),

@@ -9,9 +9,11 @@ mod body;
 mod camera;
 mod command;
 mod feet;
+mod joints;
 mod keymap;
 mod loops;
 mod panel;
+mod pick;
 mod picture;
 mod prompt;
 mod view;
@@ -30,9 +32,9 @@ use crate::{
 pub use area::PlanArea;
 pub use camera::{PRESET_NAMES, Preset, preset};
 pub use command::{COMMANDS, Command, Group};
+pub use joints::{Handle, Joints};
 pub use keymap::Hint;
 pub use panel::{Row, RowKind, TABS, Tab};
-pub use picture::still_scene;
 pub use prompt::{Asking, Prompt};
 pub use view::{Message, Severity, ViewState};
 
@@ -71,6 +73,8 @@ pub struct Editor {
     /// Whether the command being run has made a step.
     made_step: bool,
     stills: picture::Stills,
+    /// The point of the body that the pointer holds.
+    grab: Option<pick::Grab>,
 }
 
 impl Editor {
@@ -86,6 +90,7 @@ impl Editor {
             last_step: None,
             made_step: false,
             stills: picture::Stills::default(),
+            grab: None,
         };
         editor.view.message = (!warnings.is_empty()).then(|| Message::warning(warnings.join("; ")));
         editor.follow_document();

@@ -1,6 +1,6 @@
 //! The panel: tabs of rows, read from the parameter table.
 
-use super::{Editor, feet, loops};
+use super::{Editor, Handle, feet, joints, loops};
 use crate::{
     document::{PARAMETERS, Parameter},
     measure::Pair,
@@ -17,6 +17,8 @@ pub enum Tab {
     Timing,
     /// How plants are found and held, and the chosen foot's plants.
     Feet,
+    /// The joint tree.
+    Joints,
     /// What the file holds.
     Clip,
     /// What is drawn.
@@ -30,8 +32,18 @@ pub enum Tab {
 }
 
 /// The tabs in order.
-pub const TABS: [Tab; 9] =
-    [Tab::Path, Tab::Original, Tab::Timing, Tab::Feet, Tab::Clip, Tab::Show, Tab::Camera, Tab::Residuals, Tab::Quality];
+pub const TABS: [Tab; 10] = [
+    Tab::Path,
+    Tab::Original,
+    Tab::Timing,
+    Tab::Feet,
+    Tab::Joints,
+    Tab::Clip,
+    Tab::Show,
+    Tab::Camera,
+    Tab::Residuals,
+    Tab::Quality,
+];
 
 impl Tab {
     /// Returns the tab's title.
@@ -41,6 +53,7 @@ impl Tab {
             Self::Original => "original",
             Self::Timing => "timing",
             Self::Feet => "feet",
+            Self::Joints => "joints",
             Self::Clip => "clip",
             Self::Show => "show",
             Self::Camera => "camera",
@@ -60,7 +73,7 @@ impl Tab {
             Self::Show => section == "show",
             Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
             Self::Feet => section == "plants",
-            Self::Residuals | Self::Quality => false,
+            Self::Joints | Self::Residuals | Self::Quality => false,
         }
     }
 }
@@ -104,6 +117,8 @@ pub enum RowKind {
         /// Index of the plant.
         plant_idx: usize,
     },
+    /// What a displacement map can move.
+    Joint(Handle),
     /// Something to read.
     Fact,
 }
@@ -135,6 +150,7 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
             rows.extend(loops::rows(editor));
         }
         Tab::Feet => rows.extend(feet_rows(editor)),
+        Tab::Joints => rows.extend(joints::rows(editor)),
         Tab::Quality => rows.extend(quality_rows(editor)),
         Tab::Show | Tab::Camera | Tab::Residuals => {}
     }
@@ -144,14 +160,16 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
     rows
 }
 
-/// Returns the index of the selected row; among plants it is the one that keys act on, wherever the playhead went.
+/// Returns the index of the selected row; among plants and joints it is the one that keys act on, wherever the playhead
+/// or a click went.
 fn selected_idx(editor: &Editor, rows: &[Row]) -> Option<usize> {
     let kept = editor.view.rows[editor.view.tab_idx].min(rows.len().checked_sub(1)?);
-    if !matches!(rows[kept].kind, RowKind::Plant { .. }) {
-        return Some(kept);
-    }
-    let (_, plant_idx) = editor.chosen_plant()?;
-    rows.iter().position(|row| row.kind == RowKind::Plant { plant_idx })
+    let kind = match rows[kept].kind {
+        RowKind::Plant { .. } => RowKind::Plant { plant_idx: editor.chosen_plant()?.1 },
+        RowKind::Joint(_) => RowKind::Joint(editor.view.joints.active),
+        _ => return Some(kept),
+    };
+    rows.iter().position(|row| row.kind == kind)
 }
 
 pub(super) fn fact(label: &str, value: String, help: String) -> Row {

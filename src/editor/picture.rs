@@ -3,18 +3,19 @@
 //! The still part is made anew only when what it shows has changed, and then gets the next revision number; the
 //! moving part is made for every frame.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use glam::DVec3;
 
 use super::{
-    area::PlanArea,
-    body::body,
+    body::{body, mark_selected},
     camera::{self, PRESET_NAMES},
+    joints::Handle,
+    panel::{TABS, Tab},
     view::ViewState,
 };
 use crate::{
-    document::{self, Document, Edits, ProjectionKind, Show, Solved},
+    document::{self, Document, ProjectionKind, Show, Solved},
     scene::{Curve, Footprint, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
 };
 
@@ -23,6 +24,9 @@ const CURVE_POINTS: usize = 400;
 /// Marks and trackers, body heights.
 const POINT_RADIUS: f64 = 0.035;
 const TRACKER_RADIUS: f64 = 0.06;
+/// Marks of selected joints and of the one that keys move, body heights: thicker than any limb.
+const JOINT_RADIUS: f64 = 0.042;
+const ACTIVE_RADIUS: f64 = 0.05;
 /// Footprints that lie deeper in the ground, in body heights, are hidden by it.
 const SUNK: f64 = 0.06;
 /// Length of a footprint, body heights: about a person's.
@@ -32,7 +36,34 @@ const FOOT_LENGTH: f64 = 0.15;
 #[derive(Clone, Debug)]
 pub(super) struct Stills {
     still: Arc<Still>,
-    made_from: Option<(Arc<Solved>, usize, Arc<[DVec3]>)>,
+    made_from: Option<MadeFrom>,
+}
+
+/// What the still part shows, apart from parameters, which are part of what is solved.
+#[derive(Clone, Debug)]
+struct MadeFrom {
+    solved: Arc<Solved>,
+    point_idx: usize,
+    selected: BTreeSet<Handle>,
+    area: Arc<[DVec3]>,
+}
+
+impl MadeFrom {
+    fn new(solved: &Arc<Solved>, view: &ViewState) -> Self {
+        Self {
+            solved: Arc::clone(solved),
+            point_idx: view.point_idx,
+            selected: view.joints.selected.clone(),
+            area: Arc::clone(&view.area.points),
+        }
+    }
+
+    fn is_of(&self, solved: &Arc<Solved>, view: &ViewState) -> bool {
+        Arc::ptr_eq(&self.solved, solved)
+            && self.point_idx == view.point_idx
+            && self.selected == view.joints.selected
+            && Arc::ptr_eq(&self.area, &view.area.points)
+    }
 }
 
 impl Default for Stills {
@@ -59,20 +90,17 @@ impl Stills {
     /// Makes the still part anew if what it shows has changed.
     pub(super) fn follow(&mut self, document: &Document, view: &ViewState) {
         let solved = document.solved();
-        let same = self.made_from.as_ref().is_some_and(|(old, point_idx, area)| {
-            Arc::ptr_eq(old, solved) && *point_idx == view.point_idx && Arc::ptr_eq(area, &view.area.points)
-        });
-        if !same {
-            let revision = self.still.revision + 1;
-            self.still = Arc::new(still_scene(solved, document.edits(), view.point_idx, &view.area, revision));
-            self.made_from = Some((Arc::clone(solved), view.point_idx, Arc::clone(&view.area.points)));
+        if !self.made_from.as_ref().is_some_and(|made| made.is_of(solved, view)) {
+            self.still = Arc::new(still_scene(solved, view, self.still.revision + 1));
+            self.made_from = Some(MadeFrom::new(solved, view));
         }
     }
 }
 
 /// Builds the part of the picture that stays while the clip plays.
-pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &PlanArea, revision: u64) -> Still {
-    let show = edits.view.show;
+fn still_scene(solved: &Solved, view: &ViewState, revision: u64) -> Still {
+    let ViewState { point_idx, area, joints, .. } = view;
+    let show = solved.edits.view.show;
     let height = solved.clip.facts.height.value;
     let up = solved.clip.facts.up.value;
     let controls: Vec<DVec3> = solved.control_points().into_iter().map(|p| up.to_world(p)).collect();
@@ -104,13 +132,13 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
         }
     }
     let mark = |(idx, &at): (usize, &DVec3)| Mark {
-        role: if idx == point_idx { Role::SelectedControlPoint } else { Role::ControlPoint },
+        role: if idx == *point_idx { Role::SelectedControlPoint } else { Role::ControlPoint },
         at,
-        radius: if idx == point_idx { 1.5 * POINT_RADIUS * height } else { POINT_RADIUS * height },
+        radius: if idx == *point_idx { 1.5 * POINT_RADIUS * height } else { POINT_RADIUS * height },
     };
     let marks = if show.control_points { controls.iter().enumerate().map(mark).collect() } else { Vec::new() };
     let label = |(idx, &at): (usize, &DVec3)| Label {
-        role: if idx == point_idx { Role::SelectedControlPoint } else { Role::ControlPoint },
+        role: if idx == *point_idx { Role::SelectedControlPoint } else { Role::ControlPoint },
         at: at + DVec3::Y * 2.0 * POINT_RADIUS * height,
         text: (idx + 1).to_string(),
     };
@@ -119,10 +147,12 @@ pub fn still_scene(solved: &Solved, edits: &Edits, point_idx: usize, area: &Plan
     if show.labels {
         labels.extend(strains.into_iter().map(|(at, word)| Label { role: Role::Strain, at, text: word.to_owned() }));
     }
+    let mut new_body = body(&solved.clip, Role::NewSkeleton);
+    mark_selected(&mut new_body, |id| joints.is_selected(Handle::Joint(id)));
     Still {
         revision,
         body_height: height,
-        bodies: vec![body(&solved.clip, Role::OriginalSkeleton), body(&solved.clip, Role::NewSkeleton)],
+        bodies: vec![body(&solved.clip, Role::OriginalSkeleton), new_body],
         curves,
         footprints: if show.footprints { footprints(solved) } else { Vec::new() },
         marks,
@@ -215,6 +245,7 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
     if show.new_tracker {
         tracker(Role::NewTracker, solved.new_frame(frame_idx).translation);
     }
+    marks.extend(joint_marks(solved, view, &edited));
     let mut labels = Vec::new();
     if show.labels {
         let names = [(Role::OriginalSkeleton, &original, "original"), (Role::NewSkeleton, &edited, "new")];
@@ -242,6 +273,22 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
             caption: caption(solved, view),
         },
     }
+}
+
+/// Returns marks at the selected joints of a body and, where its tab is in use, at the one that keys move.
+fn joint_marks<'a>(solved: &'a Solved, view: &'a ViewState, points: &'a [DVec3]) -> impl Iterator<Item = Mark> + 'a {
+    let facts = &solved.clip.facts;
+    let active = (TABS[view.tab_idx] == Tab::Joints).then_some(view.joints.active);
+    let roles = [(Role::SelectedJoint, JOINT_RADIUS), (Role::ActiveJoint, ACTIVE_RADIUS)];
+    let selected = view.joints.selected.iter().filter(move |&&handle| Some(handle) != active);
+    let marked = selected.map(move |&handle| (handle, roles[0])).chain(active.map(|handle| (handle, roles[1])));
+    marked.filter_map(move |(handle, (role, radius))| {
+        let joint = match handle {
+            Handle::Position => facts.carrier.value,
+            Handle::Joint(id) => id,
+        };
+        Some(Mark { role, at: *points.get(joint.idx())?, radius: radius * facts.height.value })
+    })
 }
 
 fn caption(solved: &Solved, view: &ViewState) -> String {

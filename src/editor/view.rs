@@ -2,6 +2,7 @@
 
 use super::{
     area::{self, PlanArea},
+    joints::Joints,
     panel::{Row, RowKind, TABS},
 };
 use crate::{
@@ -65,6 +66,8 @@ pub struct ViewState {
     pub point_idx: usize,
     /// Side of the foot whose plants keys act on.
     pub foot: Side,
+    /// Joints that keys act on.
+    pub joints: Joints,
     /// Camera preset in use, 0 to 3.
     pub camera_idx: usize,
     /// The area the plan and the presets frame.
@@ -86,6 +89,7 @@ impl ViewState {
             rows: [0; TABS.len()],
             point_idx: 0,
             foot: Side::Left,
+            joints: Joints::new(&solved.clip),
             camera_idx: 0,
             area: area::area(solved),
             help: None,
@@ -98,15 +102,18 @@ impl ViewState {
         let solved = document.solved();
         self.frame_idx = self.frame_idx.min(solved.edited.n_frames().saturating_sub(1));
         self.point_idx = self.point_idx.min(solved.control_points().len().saturating_sub(1));
+        self.joints.follow(&solved.clip);
         self.area = self.area.keep_or(area::area(solved));
     }
 
-    /// Keeps the selected row within the tab's rows, and the selected point with a selected point row.
+    /// Keeps the selected row within the tab's rows, and the selected point or the active joint with a selected row of one.
     pub(super) fn select_row(&mut self, rows: &[Row], row: usize) {
         let row = row.min(rows.len().saturating_sub(1));
         self.rows[self.tab_idx] = row;
-        if let Some(Row { kind: RowKind::Point { point_idx }, .. }) = rows.get(row) {
-            self.point_idx = *point_idx;
+        match rows.get(row).map(|row| row.kind) {
+            Some(RowKind::Point { point_idx }) => self.point_idx = point_idx,
+            Some(RowKind::Joint(handle)) => self.joints.active = handle,
+            _ => {}
         }
     }
 

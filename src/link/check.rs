@@ -240,7 +240,10 @@ mod tests {
             body_height: 1.7,
             bodies: vec![Body {
                 role: Role::NewSkeleton,
-                limbs: vec![Limb { from: 0, to: 1, radius: 0.1 }, Limb { from: 1, to: 2, radius: 0.0 }],
+                limbs: vec![
+                    Limb { role: Role::NewSkeleton, from: 0, to: 1, radius: 0.1 },
+                    Limb { role: Role::SelectedJoint, from: 1, to: 2, radius: 0.0 },
+                ],
             }],
             curves: vec![Curve { role: Role::NewPath, stroke: Stroke::Solid, points: vec![DVec3::ZERO, DVec3::ONE] }],
             footprints: vec![Footprint {

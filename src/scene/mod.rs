@@ -40,6 +40,10 @@ pub enum Role {
     Footprint,
     /// The footprint of a plant that could not be reached.
     MissedFootprint,
+    /// A joint that keys act on, and the limbs it turns.
+    SelectedJoint,
+    /// The joint that keys move, selected or not.
+    ActiveJoint,
     /// The ground and its grid.
     Ground,
 }
@@ -58,6 +62,8 @@ impl Role {
             Self::NewTracker => [150, 225, 160],
             Self::Trace => [230, 190, 90],
             Self::Footprint => [110, 170, 230],
+            Self::SelectedJoint => [200, 80, 255],
+            Self::ActiveJoint => [232, 190, 255],
             Self::Ground => [70, 74, 82],
         }
     }
@@ -123,6 +129,8 @@ pub struct Label {
 /// One limb of a body: a capsule between two of the actor's points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limb {
+    /// What it is: its body's role, or that of a selected joint which turns it.
+    pub role: Role,
     /// Index of the point it begins at.
     pub from: u32,
     /// Index of the point it ends at.

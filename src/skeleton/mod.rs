@@ -4,6 +4,8 @@
 //! several ROOTs gives a forest. Points are what kinematics produces: one per joint, then one per end site, so that a
 //! point index below [`Skeleton::n_joints`] is also a joint index.
 
+mod mirror;
+
 use glam::DVec3;
 
 /// Index of a joint in its [`Skeleton`].

@@ -71,7 +71,9 @@ impl Palette {
         let colour = if self.depth == Depth::Sixteen { role_of_16(role) } else { self.rgb(role.rgb()) };
         let style = Style::new().fg(colour);
         match role {
-            Role::SelectedControlPoint | Role::MissedFootprint => style.add_modifier(Modifier::BOLD),
+            Role::SelectedControlPoint | Role::MissedFootprint | Role::ActiveJoint => {
+                style.add_modifier(Modifier::BOLD)
+            }
             Role::Ground => style.add_modifier(Modifier::DIM),
             _ => style,
         }
@@ -134,7 +136,8 @@ fn role_of_16(role: Role) -> Color {
         Role::NewSkeleton => Color::Green,
         Role::OriginalPath | Role::NewPath => Color::White,
         Role::ControlPoint => Color::Magenta,
-        Role::SelectedControlPoint => Color::LightMagenta,
+        // Purple is all used up among 16; signs tell joints from control points.
+        Role::SelectedControlPoint | Role::SelectedJoint | Role::ActiveJoint => Color::LightMagenta,
         Role::OriginalTracker => Color::LightRed,
         Role::NewTracker => Color::LightGreen,
         Role::Strain | Role::MissedFootprint => Color::LightYellow,
@@ -196,7 +199,7 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 mod tests {
     use super::*;
 
-    const ROLES: [Role; 13] = [
+    const ROLES: [Role; 15] = [
         Role::OriginalSkeleton,
         Role::NewSkeleton,
         Role::OriginalPath,
@@ -209,6 +212,8 @@ mod tests {
         Role::Trace,
         Role::Footprint,
         Role::MissedFootprint,
+        Role::SelectedJoint,
+        Role::ActiveJoint,
         Role::Ground,
     ];
 
@@ -267,7 +272,9 @@ mod tests {
             let mut seen: Vec<Color> = Vec::new();
             for role in ROLES {
                 let colour = Palette::new(depth).role(role).fg.expect("roles have a colour");
-                if !matches!(role, Role::NewPath | Role::MissedFootprint) {
+                let is_shared = matches!(role, Role::NewPath | Role::MissedFootprint)
+                    || (depth == Depth::Sixteen && matches!(role, Role::SelectedJoint | Role::ActiveJoint));
+                if !is_shared {
                     assert!(!seen.contains(&colour), "{role:?} at {depth:?}");
                 }
                 seen.push(colour);

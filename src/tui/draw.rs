@@ -28,8 +28,8 @@ use super::{
 use crate::{
     contact::{FootPlants, Plant},
     document::Solved,
-    editor::{Editor, Hint, Severity, TABS, Tab},
-    scene::{Picture, Scene},
+    editor::{Editor, Hint, RowKind, Severity, TABS, Tab},
+    scene::{Picture, Role, Scene},
 };
 
 /// Widest panel, cells.
@@ -171,6 +171,10 @@ fn draw_panel(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
             unit: Cow::Borrowed(row.unit),
             changed: row.changed,
             selected: row.selected,
+            role: match row.kind {
+                RowKind::Joint(handle) => editor.view().joints.is_selected(handle).then_some(Role::SelectedJoint),
+                _ => None,
+            },
         })
         .collect();
     ParameterList { rows: &rows, help, palette }.render(body, buf);

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use ratatui::{buffer::Buffer, layout::Rect, widgets::Widget};
 
 use super::{colour::Palette, text};
+use crate::scene::Role;
 
 /// Lines of help shown at most.
 const HELP_LINES: usize = 3;
@@ -25,6 +26,8 @@ pub struct ParameterRow<'a> {
     pub changed: bool,
     /// Keys act on it.
     pub selected: bool,
+    /// What it stands for in the picture, if its name is to have that colour.
+    pub role: Option<Role>,
 }
 
 /// Parameters in rows.
@@ -81,8 +84,12 @@ impl ParameterList<'_> {
         if row.selected {
             text::put(buf, line, 0, 0, "▸", self.palette.key());
         }
-        let name = Rect { x: line.x + 2.min(line.width), width: names.min(line.width.saturating_sub(2)), ..line };
-        text::put(buf, name, 0, 0, &row.name, self.palette.text());
+        // A name without a value has the line to itself.
+        let room = line.width.saturating_sub(2);
+        let width = if row.value.is_empty() { room } else { names.min(room) };
+        let name = Rect { x: line.x + 2.min(line.width), width, ..line };
+        let style = row.role.map_or_else(|| self.palette.text(), |role| self.palette.role(role));
+        text::put(buf, name, 0, 0, &row.name, style);
         let x = 2 + names + 1;
         let style = if row.changed { self.palette.changed() } else { self.palette.value() };
         if row.changed {

@@ -3,8 +3,8 @@
 //! Curves and limbs are braille lines, things with a place are single characters on top of them, texts go where they
 //! cover neither. What a thing is shows without colour too: the original path is dashed, the original actor's hips
 //! are `o` and its tracker `□`, the new one's `O` and `■`; control points are `●`, the selected one `◆` with its
-//! number. A footprint is an arrow the way the toes point, `↓` for a left foot and `⇓` for a right one, `!` where the
-//! plant was missed; from the side all are `▁`.
+//! number; selected joints are `◉`, the one that keys move is `◎`. A footprint is an arrow the way the toes point, `↓`
+//! for a left foot and `⇓` for a right one, `!` where the plant was missed; from the side all are `▁`.
 
 use std::collections::HashSet;
 
@@ -183,8 +183,11 @@ impl PlanView<'_> {
 
     fn draw_limbs(&self, map: &Map, canvas: &mut Canvas) {
         for (body, points) in self.bodies() {
-            let style = self.palette.role(body.role);
-            for limb in &body.limbs {
+            // Limbs of selected joints come last, over those that they cross.
+            let mut limbs: Vec<_> = body.limbs.iter().collect();
+            limbs.sort_by_key(|limb| limb.role != body.role);
+            for limb in limbs {
+                let style = self.palette.role(limb.role);
                 let ends = [limb.from, limb.to].map(|i| points.get(i as usize).map(|&p| map.dots(p)));
                 canvas.polyline(ends.into_iter().flatten(), Line::Solid, style);
             }
@@ -348,6 +351,8 @@ fn rank(role: Role) -> u8 {
         Role::OriginalTracker => 9,
         Role::NewTracker => 10,
         Role::SelectedControlPoint => 11,
+        Role::SelectedJoint => 12,
+        Role::ActiveJoint => 13,
     }
 }
 
@@ -357,6 +362,8 @@ fn mark_symbol(role: Role) -> char {
         Role::SelectedControlPoint => '◆',
         Role::OriginalTracker => '□',
         Role::NewTracker => '■',
+        Role::SelectedJoint => '◉',
+        Role::ActiveJoint => '◎',
         _ => '•',
     }
 }
@@ -480,7 +487,7 @@ mod tests {
     }
 
     fn body(role: Role) -> Body {
-        let limb = |from, to| Limb { from, to, radius: 0.05 };
+        let limb = |from, to| Limb { role, from, to, radius: 0.05 };
         Body { role, limbs: vec![limb(0, 1), limb(1, 2), limb(1, 3), limb(0, 4), limb(0, 5)] }
     }
 

@@ -126,7 +126,7 @@ impl NowBatch {
             let (Some(&from), Some(&to)) = (points.get(limb.from as usize), points.get(limb.to as usize)) else {
                 continue;
             };
-            self.solids.capsules.push(solid(from, to, limb.radius, body.role, origin));
+            self.solids.capsules.push(solid(from, to, limb.radius, limb.role, origin));
             self.add_caster(from, limb.radius, origin);
             self.add_caster(to, limb.radius, origin);
         }
@@ -237,7 +237,10 @@ mod tests {
             body_height: 2.0,
             bodies: vec![Body {
                 role: Role::NewSkeleton,
-                limbs: vec![Limb { from: 0, to: 1, radius: 0.1 }, Limb { from: 1, to: 9, radius: 0.1 }],
+                limbs: vec![
+                    Limb { role: Role::NewSkeleton, from: 0, to: 1, radius: 0.1 },
+                    Limb { role: Role::SelectedJoint, from: 1, to: 9, radius: 0.1 },
+                ],
             }],
             curves: vec![Curve {
                 role: Role::NewPath,

@@ -12,13 +12,13 @@ pub(crate) const JOINTS: u32 = 31;
 
 /// Makes the part that stays, under a revision.
 pub(crate) fn still(revision: u64) -> Still {
-    let limbs = (1..JOINTS).map(|to| Limb { from: to - 1, to, radius: 0.04 }).collect::<Vec<_>>();
+    let limbs = |role| (1..JOINTS).map(|to| Limb { role, from: to - 1, to, radius: 0.04 }).collect();
     let path = (0..200).map(|i| DVec3::new(f64::from(i) * 0.05, 0.0, (f64::from(i) * 0.1).sin())).collect::<Vec<_>>();
     let points = (0..8).map(|i| DVec3::new(f64::from(i), 0.0, 0.3));
     Still {
         revision,
         body_height: 1.7,
-        bodies: [Role::OriginalSkeleton, Role::NewSkeleton].map(|role| Body { role, limbs: limbs.clone() }).to_vec(),
+        bodies: [Role::OriginalSkeleton, Role::NewSkeleton].map(|role| Body { role, limbs: limbs(role) }).to_vec(),
         curves: vec![
             Curve { role: Role::OriginalPath, stroke: Stroke::Dashed, points: path.clone() },
             Curve { role: Role::NewPath, stroke: Stroke::Solid, points: path },

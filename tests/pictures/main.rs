@@ -80,6 +80,11 @@ fn feet_on_the_ground() {
 }
 
 #[test]
+fn selected_joints() {
+    check("selected", &scenes::selected(), Quality::Full, 640, 360);
+}
+
+#[test]
 fn footprints_on_the_ground() {
     check("footprints", &scenes::footprints(), Quality::Full, 640, 360);
 }

@@ -60,7 +60,7 @@ fn actor(x: f64, z: f64, (sin, cos): (f64, f64)) -> Vec<DVec3> {
 }
 
 fn body(role: Role) -> Body {
-    Body { role, limbs: LIMBS.iter().map(|&(from, to, radius)| Limb { from, to, radius }).collect() }
+    Body { role, limbs: LIMBS.iter().map(|&(from, to, radius)| Limb { role, from, to, radius }).collect() }
 }
 
 fn at(x: f64, y: f64, z: f64) -> DVec3 {
@@ -150,6 +150,39 @@ pub(crate) fn feet() -> Scene {
         target: at(0.6, 0.25, 4.3),
         up: DVec3::Y,
         projection: Projection::Perspective { fov_y_rad: 0.6 },
+    };
+    scene.now.caption = String::new();
+    scene
+}
+
+/// An arm of the new actor selected from the chest to the wrist, from near by; keys move the elbow.
+pub(crate) fn selected() -> Scene {
+    let mut scene = full();
+    let still = Arc::make_mut(&mut scene.still);
+    still.revision = 5;
+    // The joints that turn the arm's limbs: chest, shoulder, elbow.
+    for limb in still.bodies[1].limbs.iter_mut().filter(|limb| [2, 13, 14].contains(&limb.from)) {
+        limb.role = Role::SelectedJoint;
+    }
+    let points = &scene.now.actors[1];
+    let mark = |(role, point, radius): (Role, usize, f64)| Mark { role, at: points[point], radius };
+    scene.now.marks = [
+        (Role::SelectedJoint, 2, 0.0735),
+        (Role::SelectedJoint, 13, 0.0735),
+        (Role::SelectedJoint, 15, 0.0735),
+        (Role::ActiveJoint, 14, 0.0875),
+    ]
+    .map(mark)
+    .to_vec();
+    scene.now.labels.clear();
+    scene.now.views[0] = View {
+        camera: Camera {
+            eye: at(2.9, 1.9, 7.2),
+            target: at(0.55, 1.1, 4.4),
+            up: DVec3::Y,
+            projection: Projection::Perspective { fov_y_rad: 0.6 },
+        },
+        title: "selected".to_owned(),
     };
     scene.now.caption = String::new();
     scene

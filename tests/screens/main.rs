@@ -175,6 +175,8 @@ fn each_state_says_what_it_is() {
         ("l6l6", "█◆█"),
         ("lmc", "c███◆███"),
         ("lms", "~~◆~~"),
+        ("g", "Select all from it to the root, or not."),
+        ("gcgcgr", "Chest, selected; 3 selected"),
     ] {
         let with = |keys| screen(keys, (120, 40)).join("\n");
         assert!(with(keys).contains(text) && !with("").contains(text), "after {keys}:\n{}", with(keys));
@@ -194,6 +196,23 @@ fn a_line_being_typed_has_the_cursor_and_the_picture_is_wanted_in_the_size_of_it
 #[test]
 fn the_start_screen_is_as_committed() {
     check_file("tests/screens/start.txt", &(screen("", (120, 40)).join("\n") + "\n"));
+}
+
+#[test]
+fn the_joint_tree_is_as_committed() {
+    // The left arm down to the elbow and all above it, the right wrist; keys move the right elbow.
+    let keys = "2<tab><tab><tab><tab>gcgcgcgsgcgcgrgmgcgtgp";
+    check_file("tests/screens/joints.txt", &(screen(keys, (120, 40)).join("\n") + "\n"));
+}
+
+#[test]
+fn the_tab_in_use_is_in_sight_at_every_width() {
+    for (tab_idx, tab) in TABS.iter().enumerate() {
+        for width in [80, 100, 120, 200] {
+            let tabs = &screen(&"<tab>".repeat(tab_idx), (width, 24))[1];
+            assert!(tabs.contains(&format!("[{}]", tab.title())), "{width}: {tabs}");
+        }
+    }
 }
 
 #[test]

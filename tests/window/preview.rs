@@ -33,7 +33,10 @@ pub(crate) fn scene(number: u32) -> Scene {
         still: Arc::new(Still {
             revision: 1,
             body_height: 1.5,
-            bodies: vec![Body { role: Role::NewSkeleton, limbs: vec![Limb { from: 0, to: 1, radius: 0.25 }] }],
+            bodies: vec![Body {
+                role: Role::NewSkeleton,
+                limbs: vec![Limb { role: Role::NewSkeleton, from: 0, to: 1, radius: 0.25 }],
+            }],
             curves: vec![],
             footprints: vec![],
             marks: vec![],
