@@ -72,7 +72,8 @@ fn text(document: &Document, selected: impl Fn(&Layer) -> Selection) -> String {
             out.push_str("  no keys\n");
         }
         for point in points {
-            writeln!(out, "  frame {:>6}  {}", point.frame, point.value).expect("into a String");
+            let (frame, map, value) = (point.frame, point.value.map_name(), &point.value);
+            writeln!(out, "  frame {frame:>6}  {map}  {value}").expect("into a String");
         }
     }
     if let Some(keys) = document.edits().interpolation_keys {

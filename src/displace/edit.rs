@@ -8,7 +8,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::{Curve, Interpolation, Layer, Stack, joint_name, slerp, spline};
-use crate::skeleton::JointId;
+use crate::{math::rotation_vector, skeleton::JointId};
 
 /// A pose that is nearer than this, radians, is the wanted one.
 const SAME: f64 = 1e-9;
@@ -98,7 +98,7 @@ impl Stack<'_> {
         let mut error = |key: DQuat| {
             layers[layer_idx].set_rotation(&name, self.clip.file_frame(frame), key.normalize());
             let reached = Stack { layers: &layers, ..*self }.rotation(joint, frame);
-            slerp::rotation_vector(slerp::short_way(seen.conjugate() * reached))
+            rotation_vector(slerp::short_way(seen.conjugate() * reached))
         };
         let mut key = key;
         for _ in 0..ROUNDS {

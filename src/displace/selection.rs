@@ -5,6 +5,7 @@ use std::{collections::BTreeSet, fmt};
 use glam::{DQuat, DVec3};
 
 use super::{Keys, Layer, slerp};
+use crate::math::rotation_vector;
 
 /// Which maps of a layer a command is about.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,15 +34,25 @@ pub enum PointValue {
     Rotation(String, DQuat),
 }
 
+impl PointValue {
+    /// Returns the name of the map it is of: the joint's, or `position`.
+    pub fn map_name(&self) -> &str {
+        match self {
+            Self::Position(_) => "position",
+            Self::Rotation(joint, _) => joint,
+        }
+    }
+}
+
 impl fmt::Display for PointValue {
     /// For people: offsets in the clip's unit, turns in degrees about an axis of the joint's own space.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Position(by) => write!(f, "position  lateral {:.4}  up {:.4}  forward {:.4}", by.x, by.y, by.z),
-            Self::Rotation(joint, turn) => {
-                let vector = slerp::rotation_vector(slerp::short_way(*turn));
+            Self::Position(by) => write!(f, "lateral {:.4}  up {:.4}  forward {:.4}", by.x, by.y, by.z),
+            Self::Rotation(_, turn) => {
+                let vector = rotation_vector(slerp::short_way(*turn));
                 let (axis, angle) = (vector.normalize_or_zero(), vector.length().to_degrees());
-                write!(f, "{joint}  {angle:.3}° about [{:.3}, {:.3}, {:.3}]", axis.x, axis.y, axis.z)
+                write!(f, "{angle:.3}° about [{:.3}, {:.3}, {:.3}]", axis.x, axis.y, axis.z)
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 
 use super::keys::{Key, Piece, pieces};
 
@@ -39,12 +39,6 @@ fn is_long_way(turn: DQuat) -> bool {
 /// Returns the quaternion of a rotation that stands for its short way.
 pub(super) fn short_way(turn: DQuat) -> DQuat {
     if is_long_way(turn) { -turn } else { turn }
-}
-
-/// Returns axis times angle, radians; glam's own takes small angles for none.
-pub(super) fn rotation_vector(turn: DQuat) -> DVec3 {
-    let sine = turn.xyz().length();
-    if sine == 0.0 { DVec3::ZERO } else { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) }
 }
 
 /// Returns a power of a lifted rotation: its angle, up to a whole turn, times `exponent`.
@@ -119,7 +113,10 @@ mod tests {
 
     use proptest::prelude::*;
 
+    use glam::DVec3;
+
     use super::*;
+    use crate::math::rotation_vector;
 
     fn values(keys: &[(usize, DQuat)], frames: Range<usize>) -> Vec<DQuat> {
         let keys: Vec<_> = keys.iter().map(|&(frame, value)| Key { frame, value }).collect();

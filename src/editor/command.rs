@@ -8,7 +8,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, joints, loops,
+    feet, joints, layers, loops, maps,
 };
 use crate::{
     contact::PlantMode,
@@ -31,6 +31,8 @@ pub enum Group {
     Feet,
     /// Joints: which are selected.
     Joints,
+    /// Layers of displacement maps.
+    Layers,
     /// Cameras.
     Camera,
     /// What is drawn.
@@ -49,6 +51,7 @@ impl Group {
             Self::Shapes => "ready shapes",
             Self::Feet => "feet",
             Self::Joints => "joints",
+            Self::Layers => "layers",
             Self::Camera => "camera",
             Self::Show => "show",
             Self::File => "file, undo, window",
@@ -102,14 +105,17 @@ fn selected_row(editor: &Editor) -> Option<super::Row> {
 fn steps(editor: &Editor) -> bool {
     match selected_row(editor).map(|r| r.kind) {
         Some(RowKind::Parameter(name)) => stepped(editor, name, 1, false).is_some(),
-        Some(RowKind::Plant { .. }) => true,
-        Some(RowKind::Point { .. } | RowKind::Loop { .. } | RowKind::Joint(_) | RowKind::Fact) | None => false,
+        Some(RowKind::Plant { .. } | RowKind::Layer { .. }) => true,
+        Some(
+            RowKind::MapPoint { .. } | RowKind::Point { .. } | RowKind::Loop { .. } | RowKind::Joint(_) | RowKind::Fact,
+        )
+        | None => false,
     }
 }
 
 fn types(editor: &Editor) -> bool {
-    selected_row(editor)
-        .is_some_and(|r| matches!(r.kind, RowKind::Parameter(_) | RowKind::Point { .. } | RowKind::Loop { .. }))
+    use RowKind::{Layer, Loop, Parameter, Point};
+    selected_row(editor).is_some_and(|r| matches!(r.kind, Parameter(_) | Point { .. } | Loop { .. } | Layer { .. }))
 }
 
 /// All commands, by group.
@@ -250,6 +256,60 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Joints, "joint.all", &["ga"], "Select all joints.", always, |e, _| joints::select_all(e)),
     row(Group::Joints, "joint.none", &["gn"], "Select no joint.", always, |e, _| joints::select_none(e)),
     row(Group::Joints, "joint.invert", &["gi"], "Select the other joints.", always, |e, _| joints::invert(e)),
+    row(Group::Layers, "layer.add", &["Bn"], "A new layer above all others.", always, layers::add),
+    row(Group::Layers, "layer.next", &["Bb"], "Use the next higher layer.", layers::any, |e, _| layers::next(e)),
+    row(Group::Layers, "layer.switch", &["Bo"], "Switch the layer on or off.", layers::any, layers::switch),
+    row(
+        Group::Layers,
+        "layer.interpolation",
+        &["Bi"],
+        "Next way to go from key to key.",
+        layers::any,
+        layers::interpolate,
+    ),
+    row(Group::Layers, "layer.heavier", &["B+", "B="], "More weight.", layers::any, |e, c| {
+        layers::weigh(e, c, 1, false)
+    }),
+    row(Group::Layers, "layer.lighter", &["B-"], "Less weight.", layers::any, |e, c| layers::weigh(e, c, -1, false)),
+    row(Group::Layers, "layer.up", &["Bk"], "The layer one higher.", layers::any, |e, c| layers::shift(e, c, true)),
+    row(Group::Layers, "layer.down", &["Bj"], "The layer one lower.", layers::any, |e, c| layers::shift(e, c, false)),
+    row(Group::Layers, "layer.name", &["B<enter>"], "Name the layer.", layers::any, |e, _| layers::ask_name(e)),
+    row(
+        Group::Layers,
+        "layer.merge",
+        &["Bm"],
+        "Make it, and what is below, part of the motion.",
+        layers::any,
+        layers::merge,
+    ),
+    row(Group::Layers, "layer.delete", &["Bd"], "Delete the layer.", layers::any, layers::delete),
+    row(Group::Layers, "layer.clear_position", &["Bp"], "Take the layer's position keys away.", layers::any, |e, c| {
+        layers::clear(e, c, true)
+    }),
+    row(
+        Group::Layers,
+        "layer.clear_rotations",
+        &["Br"],
+        "Take the layer's rotation keys away.",
+        layers::any,
+        |e, c| layers::clear(e, c, false),
+    ),
+    row(
+        Group::Layers,
+        "clip.clear_position",
+        &["BP"],
+        "Clear the clip's own position data, or bring it back.",
+        always,
+        |e, c| layers::clear_clip(e, c, "clip.clear_position"),
+    ),
+    row(
+        Group::Layers,
+        "clip.clear_rotation",
+        &["BR"],
+        "Clear the clip's own rotation data, or bring it back.",
+        always,
+        |e, c| layers::clear_clip(e, c, "clip.clear_rotation"),
+    ),
     row(Group::Camera, "camera.1", &["1"], "Camera 1, three-quarter.", always, |e, _| use_camera(e, 0)),
     row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, _| use_camera(e, 1)),
     row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, _| use_camera(e, 2)),
@@ -418,8 +478,10 @@ fn move_row(editor: &mut Editor, by: i64) -> Effect {
     let now = rows.iter().position(|row| row.selected).unwrap_or(0);
     let row = (now as i64 + by).max(0) as usize;
     editor.view.select_row(&rows, row);
-    if let Some(&super::Row { kind: RowKind::Plant { plant_idx }, .. }) = rows.get(row) {
-        feet::go_to(editor, plant_idx);
+    match rows.get(row).map(|row| row.kind) {
+        Some(RowKind::Plant { plant_idx }) => _ = feet::go_to(editor, plant_idx),
+        Some(RowKind::MapPoint { frame, .. }) => maps::go_to(editor, frame),
+        _ => {}
     }
     editor.follow_document();
     Effect::None
@@ -446,6 +508,7 @@ fn step_row(editor: &mut Editor, command: &'static str, n: i64, big: bool) -> Ef
             Effect::None
         }
         Some(RowKind::Plant { .. }) => feet::step_mode(editor, command, n),
+        Some(RowKind::Layer { .. }) => layers::weigh(editor, command, n, big),
         _ => Effect::None,
     }
 }
@@ -463,6 +526,7 @@ fn default_row(editor: &mut Editor, command: &'static str) -> Effect {
             Effect::None
         }
         Some(RowKind::Plant { .. }) => feet::plant_as_found(editor, command),
+        Some(RowKind::Layer { .. }) => layers::whole_weight(editor, command),
         _ => Effect::None,
     }
 }
@@ -482,6 +546,7 @@ fn type_row(editor: &mut Editor) -> Effect {
         }
         Some((RowKind::Point { .. }, _)) => type_point(editor),
         Some((RowKind::Loop { loop_idx }, _)) => loops::take(editor, "loop.take", loop_idx),
+        Some((RowKind::Layer { .. }, _)) => layers::ask_name(editor),
         _ => Effect::None,
     }
 }

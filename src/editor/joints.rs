@@ -76,7 +76,7 @@ fn handles(clip: &Clip) -> impl Iterator<Item = Handle> + use<> {
 }
 
 /// Returns a handle's name for people.
-fn name(clip: &Clip, handle: Handle) -> String {
+pub(super) fn name(clip: &Clip, handle: Handle) -> String {
     match handle {
         Handle::Position => format!("position of {}", clip.skeleton.joint(clip.facts.carrier.value).name),
         Handle::Joint(id) => joint_name(&clip.skeleton, id),

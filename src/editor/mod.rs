@@ -11,7 +11,9 @@ mod command;
 mod feet;
 mod joints;
 mod keymap;
+mod layers;
 mod loops;
+mod maps;
 mod panel;
 mod pick;
 mod picture;
@@ -34,6 +36,7 @@ pub use camera::{PRESET_NAMES, Preset, preset};
 pub use command::{COMMANDS, Command, Group};
 pub use joints::{Handle, Joints};
 pub use keymap::Hint;
+pub use maps::MapSeries;
 pub use panel::{Row, RowKind, TABS, Tab};
 pub use prompt::{Asking, Prompt};
 pub use view::{Message, Severity, ViewState};
@@ -250,6 +253,7 @@ impl Editor {
                 Some(to) => self.change("type", &Change::PlacePoint { point_idx: *point_idx, to }),
                 None => self.say(Message::error(format!("expected three numbers x y z, found `{text}`"))),
             },
+            Asking::LayerName { layer_idx } => layers::rename(self, *layer_idx, text),
             Asking::Save => self.ask_or(&as_project_name(text), Asking::OverwriteSave, Self::save_to),
             Asking::Export { interpolated } => {
                 let interpolated = *interpolated;

@@ -1,6 +1,6 @@
 //! The panel: tabs of rows, read from the parameter table.
 
-use super::{Editor, Handle, feet, joints, loops};
+use super::{Editor, Handle, feet, joints, layers, loops, maps};
 use crate::{
     document::{PARAMETERS, Parameter},
     measure::Pair,
@@ -25,6 +25,10 @@ pub enum Tab {
     Show,
     /// The camera preset in use.
     Camera,
+    /// Layers of displacement maps, and how keys move joints.
+    Layers,
+    /// What the layers do to the joint that keys act on, and the selection's keys.
+    Maps,
     /// Residuals over time.
     Residuals,
     /// Quality numbers.
@@ -32,12 +36,14 @@ pub enum Tab {
 }
 
 /// The tabs in order.
-pub const TABS: [Tab; 10] = [
+pub const TABS: [Tab; 12] = [
     Tab::Path,
     Tab::Original,
     Tab::Timing,
     Tab::Feet,
     Tab::Joints,
+    Tab::Layers,
+    Tab::Maps,
     Tab::Clip,
     Tab::Show,
     Tab::Camera,
@@ -57,6 +63,8 @@ impl Tab {
             Self::Clip => "clip",
             Self::Show => "show",
             Self::Camera => "camera",
+            Self::Layers => "layers",
+            Self::Maps => "maps",
             Self::Residuals => "residuals",
             Self::Quality => "quality",
         }
@@ -73,7 +81,8 @@ impl Tab {
             Self::Show => section == "show",
             Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
             Self::Feet => section == "plants",
-            Self::Joints | Self::Residuals | Self::Quality => false,
+            Self::Layers => section == "pose" || parameter.name == "interpolation_keys",
+            Self::Joints | Self::Maps | Self::Residuals | Self::Quality => false,
         }
     }
 }
@@ -119,6 +128,18 @@ pub enum RowKind {
     },
     /// What a displacement map can move.
     Joint(Handle),
+    /// A layer of displacement maps.
+    Layer {
+        /// Its place in the list, the lowest first.
+        layer_idx: usize,
+    },
+    /// A key of a selected map of the layer in use.
+    MapPoint {
+        /// Its place in the list.
+        point_idx: usize,
+        /// File frame.
+        frame: usize,
+    },
     /// Something to read.
     Fact,
 }
@@ -151,6 +172,8 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
         }
         Tab::Feet => rows.extend(feet_rows(editor)),
         Tab::Joints => rows.extend(joints::rows(editor)),
+        Tab::Layers => _ = rows.splice(0..0, layers::rows(editor)),
+        Tab::Maps => rows.extend(maps::rows(editor)),
         Tab::Quality => rows.extend(quality_rows(editor)),
         Tab::Show | Tab::Camera | Tab::Residuals => {}
     }
@@ -167,6 +190,7 @@ fn selected_idx(editor: &Editor, rows: &[Row]) -> Option<usize> {
     let kind = match rows[kept].kind {
         RowKind::Plant { .. } => RowKind::Plant { plant_idx: editor.chosen_plant()?.1 },
         RowKind::Joint(_) => RowKind::Joint(editor.view.joints.active),
+        RowKind::Layer { .. } => RowKind::Layer { layer_idx: editor.view.layer_idx },
         _ => return Some(kept),
     };
     rows.iter().position(|row| row.kind == kind)

@@ -21,6 +21,11 @@ pub enum Asking {
         /// The control point.
         point_idx: usize,
     },
+    /// The name of a layer.
+    LayerName {
+        /// Its place in the list.
+        layer_idx: usize,
+    },
     /// The project file to save to.
     Save,
     /// The BVH file to export to.
@@ -77,6 +82,7 @@ impl Prompt {
             Asking::Value { name } => format!("{name} ="),
             Asking::Assignment => "set NAME=VALUE:".to_owned(),
             Asking::Coordinates { point_idx } => format!("point {} x y z:", point_idx + 1),
+            Asking::LayerName { .. } => "name of the layer:".to_owned(),
             Asking::Save => "save project as:".to_owned(),
             Asking::Export { interpolated: false } => "export BVH to:".to_owned(),
             Asking::Export { interpolated: true } => "export BVH, interpolation included, to:".to_owned(),

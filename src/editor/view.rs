@@ -68,6 +68,8 @@ pub struct ViewState {
     pub foot: Side,
     /// Joints that keys act on.
     pub joints: Joints,
+    /// Layer that poses and keys go into, its place in the list.
+    pub layer_idx: usize,
     /// Camera preset in use, 0 to 3.
     pub camera_idx: usize,
     /// The area the plan and the presets frame.
@@ -90,6 +92,7 @@ impl ViewState {
             point_idx: 0,
             foot: Side::Left,
             joints: Joints::new(&solved.clip),
+            layer_idx: 0,
             camera_idx: 0,
             area: area::area(solved),
             help: None,
@@ -103,6 +106,7 @@ impl ViewState {
         self.frame_idx = self.frame_idx.min(solved.edited.n_frames().saturating_sub(1));
         self.point_idx = self.point_idx.min(solved.control_points().len().saturating_sub(1));
         self.joints.follow(&solved.clip);
+        self.layer_idx = self.layer_idx.min(document.edits().layers.len().saturating_sub(1));
         self.area = self.area.keep_or(area::area(solved));
     }
 
@@ -113,6 +117,7 @@ impl ViewState {
         match rows.get(row).map(|row| row.kind) {
             Some(RowKind::Point { point_idx }) => self.point_idx = point_idx,
             Some(RowKind::Joint(handle)) => self.joints.active = handle,
+            Some(RowKind::Layer { layer_idx }) => self.layer_idx = layer_idx,
             _ => {}
         }
     }

@@ -64,6 +64,12 @@ pub fn twist_rad(rotation: DQuat) -> f64 {
     if rotation.y == 0.0 && rotation.w == 0.0 { 0.0 } else { wrap_rad(2.0 * rotation.y.atan2(rotation.w)) }
 }
 
+/// Returns a rotation's axis times its angle, radians, up to a whole turn; glam's own takes small angles for none.
+pub fn rotation_vector(turn: DQuat) -> DVec3 {
+    let sine = turn.xyz().length();
+    if sine == 0.0 { DVec3::ZERO } else { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) }
+}
+
 /// Brings an angle into (−π, π].
 pub fn wrap_rad(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};

@@ -161,6 +161,11 @@ fn draw_panel(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
         draw_residuals(buf, body, editor, palette);
         return;
     }
+    let charts = TABS[editor.view().tab_idx] == Tab::Maps;
+    let [chart, body] = Layout::vertical([Constraint::Fill(u16::from(charts)), Constraint::Fill(1)]).areas(body);
+    if charts {
+        draw_maps(buf, chart, editor, palette);
+    }
     let rows = editor.rows();
     let help = rows.iter().find(|row| row.selected).map_or("", |row| row.help.as_str());
     let rows: Vec<_> = rows
@@ -178,6 +183,16 @@ fn draw_panel(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
         })
         .collect();
     ParameterList { rows: &rows, help, palette }.render(body, buf);
+}
+
+/// Charts what layers do to the joint that keys act on.
+fn draw_maps(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
+    let [line, charts] = Layout::vertical([Constraint::Length(1), Constraint::Fill(1)]).areas(area);
+    let map = editor.map_series();
+    text::put(buf, line, 0, 0, &map.title, palette.dim());
+    let series: Vec<_> = map.names.iter().zip(&map.values).map(|(name, values)| Series { name, values }).collect();
+    let playhead = editor.document().solved().source_frame(editor.view().frame_idx);
+    Chart { series: &series, playhead, unit: &map.unit, palette }.render(charts, buf);
 }
 
 fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {

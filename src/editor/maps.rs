@@ -1,0 +1,92 @@
+//! The maps tab: what layers do to the joint that keys act on, over all frames, and the keys of the selection.
+
+use glam::DVec3;
+
+use super::{Editor, Handle, Row, RowKind};
+use crate::{
+    displace::{MapPoint, Selection, joint_name},
+    math::rotation_vector,
+};
+
+/// What all layers together do to one joint or to the carrier's place, frame by frame of the clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapSeries {
+    /// What it is of, for people.
+    pub title: String,
+    /// Names of the three components.
+    pub names: [&'static str; 3],
+    /// Degrees about the joint's own x, y, z; or the offset along the path's axes in the clip's unit.
+    pub values: [Vec<f64>; 3],
+    /// Unit of the values.
+    pub unit: String,
+}
+
+impl Editor {
+    /// Returns what layers do to the handle that keys act on.
+    pub fn map_series(&self) -> MapSeries {
+        let solved = self.document.solved();
+        let clip = &solved.clip;
+        let displaced = &solved.posed.of_clip;
+        let n_frames = clip.n_frames();
+        let handle = self.view.joints.active;
+        let title = super::joints::name(clip, handle);
+        let (values, names, unit): (Vec<DVec3>, _, _) = match handle {
+            Handle::Position => {
+                let by = |frame: usize| displaced.offsets.get(frame).copied().unwrap_or(DVec3::ZERO);
+                let unit = clip.facts.unit_word().to_owned();
+                ((0..n_frames).map(by).collect(), ["lateral", "up", "forward"], unit)
+            }
+            Handle::Joint(id) => {
+                let turned = displaced.turned.iter().find(|turned| turned.joint == id);
+                let carrier_turns = if id == clip.facts.carrier.value { &displaced.carrier_turns[..] } else { &[] };
+                let turn = |frame: usize| match (turned, carrier_turns.get(frame)) {
+                    (Some(turned), _) => clip.rotations(frame)[id.idx()].conjugate() * turned.rotations[frame],
+                    (None, Some(&turn)) => turn,
+                    (None, None) => glam::DQuat::IDENTITY,
+                };
+                let degrees = |frame| rotation_vector(turn(frame)).map(f64::to_degrees);
+                ((0..n_frames).map(degrees).collect(), ["x", "y", "z"], "°".to_owned())
+            }
+        };
+        let values = [0, 1, 2].map(|axis| values.iter().map(|value| value[axis]).collect());
+        MapSeries { title, names, values, unit }
+    }
+
+    /// Returns the maps that key commands act on: those selected, or of the handle that keys act on when none is.
+    pub fn map_selection(&self) -> Selection {
+        let skeleton = &self.document.solved().clip.skeleton;
+        let joints = &self.view.joints;
+        if !joints.selected.is_empty() {
+            return joints.selection(skeleton);
+        }
+        match joints.active {
+            Handle::Position => Selection { position: true, ..Selection::default() },
+            Handle::Joint(id) => Selection { position: false, joints: [joint_name(skeleton, id)].into() },
+        }
+    }
+}
+
+/// Returns the map points of the selection, a row for each.
+pub(super) fn rows(editor: &Editor) -> Vec<Row> {
+    let Some(layer) = editor.document.edits().layers.get(editor.view.layer_idx) else { return Vec::new() };
+    let points = layer.map_points(&editor.map_selection()).into_iter().enumerate();
+    let row = |(point_idx, point): (usize, MapPoint)| Row {
+        kind: RowKind::MapPoint { point_idx, frame: point.frame },
+        label: format!("{:>5} {}", point.frame, point.value.map_name()),
+        value: point.value.to_string(),
+        unit: "",
+        changed: false,
+        selected: false,
+        help: format!("A key of {} at file frame {}; j and k walk with the playhead.", layer.name, point.frame),
+    };
+    points.map(row).collect()
+}
+
+/// Takes the playhead to the frame of a key; where the edited clip ends before it, stays.
+pub(super) fn go_to(editor: &mut Editor, file_frame: usize) {
+    let solved = editor.document.solved();
+    let frame = file_frame.checked_sub(solved.clip.rest_frames()).and_then(|frame| solved.edited_frame(frame));
+    if let Some(frame) = frame {
+        editor.view.jump(frame);
+    }
+}

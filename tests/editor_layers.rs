@@ -1,0 +1,146 @@
+//! Layers by key: the list, what is done with them, and the tab that charts their maps.
+
+use std::sync::Arc;
+
+use walkabout::{
+    displace::Interpolation,
+    document::{Document, open},
+    editor::{Editor, RowKind, TABS, Tab},
+};
+
+/// The built-in clip with two layers: `low` bends the chest, `high` nods.
+fn editor() -> Editor {
+    let mut editor = Editor::new(Document::new(open(None).expect("the built-in clip")), Vec::new());
+    editor.keys(":");
+    editor.paste(
+        "layer=[{name='low', rotation={Chest=[{frame=10,value=[0.9,0.1,0,0]},{frame=90,value=[1,0,0,0]}]}, \
+         position=[{frame=20,value=[0,2,0]}]}, {name='high', rotation={Neck=[{frame=40,value=[0.9,0,0.2,0]}]}}]",
+    );
+    editor.keys("<enter>");
+    assert_eq!(names(&editor), ["low", "high"], "{:?}", editor.view().message);
+    editor
+}
+
+fn names(editor: &Editor) -> Vec<String> {
+    editor.document().edits().layers.iter().map(|layer| layer.name.clone()).collect()
+}
+
+fn go_to(editor: &mut Editor, tab: Tab) {
+    while TABS[editor.view().tab_idx] != tab {
+        editor.keys("<tab>");
+    }
+}
+
+fn message(editor: &Editor) -> &str {
+    editor.view().message.as_ref().map_or("", |message| &message.text)
+}
+
+#[test]
+fn layers_are_made_named_moved_and_taken_out() {
+    let mut e = editor();
+    e.keys("Bn");
+    assert_eq!((names(&e), e.view().layer_idx), (vec!["low".into(), "high".into(), "layer 1".into()], 2));
+    e.keys("B<enter><c-u>");
+    e.paste("waving");
+    e.keys("<enter>");
+    assert_eq!(names(&e), ["low", "high", "waving"]);
+    e.keys("Bj");
+    assert_eq!((names(&e), e.view().layer_idx), (vec!["low".into(), "waving".into(), "high".into()], 1));
+    e.keys("BjBj");
+    assert_eq!((names(&e), e.view().layer_idx), (vec!["waving".into(), "low".into(), "high".into()], 0));
+    assert_eq!(message(&e), "the layer cannot move further");
+    e.keys("BkBbBb");
+    assert_eq!((names(&e), e.view().layer_idx), (vec!["low".into(), "waving".into(), "high".into()], 0));
+    e.keys("BbBd");
+    assert_eq!((names(&e), message(&e)), (vec!["low".into(), "high".into()], "waving is deleted; u takes it back"));
+    e.keys("u");
+    assert_eq!(names(&e), ["low", "waving", "high"]);
+}
+
+#[test]
+fn a_layer_is_weighed_switched_and_interpolated_otherwise_at_once() {
+    let mut e = editor();
+    let shown = |e: &Editor| e.document().solved().to_bvh();
+    let mut seen = vec![shown(&e)];
+    for (keys, weight) in [("B-", 0.95), ("B-", 0.9), ("B+", 0.95)] {
+        e.keys(keys);
+        assert_eq!(e.document().edits().layers[0].weight, weight);
+        assert!(!seen.contains(&shown(&e)) || keys == "B+");
+        seen.push(shown(&e));
+    }
+    let depth = e.document().depth().0;
+    for expected in [Interpolation::EulerLinear, Interpolation::EulerCubic, Interpolation::Quaternion] {
+        e.keys("Bi");
+        assert_eq!(e.document().edits().layers[0].interpolation, expected);
+        assert!(message(&e).contains(expected.words()), "{}", message(&e));
+    }
+    e.keys("Bo");
+    assert!(!e.document().edits().layers[0].on && message(&e).starts_with("low: off"), "{}", message(&e));
+    assert_eq!(e.document().depth().0, depth + 4, "each is a step of its own");
+    e.keys("Bm");
+    assert_eq!(message(&e), "layer `low` is off; switch it on first");
+    e.keys("BoBm");
+    assert!(e.document().edits().layers[0].merged);
+    e.keys("BbBpBr");
+    assert!(e.document().edits().layers[1].rotation.is_empty());
+    assert_eq!(e.document().edits().layers[0].rotation.len(), 1, "only the layer in use is cleared");
+}
+
+#[test]
+fn the_clips_own_data_is_cleared_and_comes_back() {
+    let mut e = editor();
+    let before = Arc::clone(e.document().solved());
+    e.keys("BP");
+    assert!(e.document().edits().cleared.position && message(&e) == "clip.clear_position on", "{}", message(&e));
+    e.keys("BR");
+    assert!(e.document().edits().cleared.rotation);
+    assert!(Arc::ptr_eq(&before.original, &e.document().solved().original), "the path is the clip's as loaded");
+    e.keys("BPBR");
+    assert!(e.document().solved().to_bvh() == before.to_bvh());
+    e.keys("uuuu");
+    assert_eq!(e.document().edits(), &before.edits);
+}
+
+#[test]
+fn the_tab_lists_layers_as_they_lie() {
+    let mut e = editor();
+    go_to(&mut e, Tab::Layers);
+    let rows = e.rows();
+    let layers: Vec<_> = rows.iter().filter(|row| matches!(row.kind, RowKind::Layer { .. })).collect();
+    assert_eq!(layers.iter().map(|row| row.label.as_str()).collect::<Vec<_>>(), ["● high", "◆ low"]);
+    assert_eq!(layers[1].value, "on 1.00 quaternion, 3 keys");
+    e.keys("k-");
+    assert_eq!(e.document().edits().layers[1].weight, 0.95, "keys act on the row that is selected");
+    assert_eq!(e.view().layer_idx, 1);
+    e.keys("[<backspace>");
+    assert_eq!(e.document().edits().layers[1].weight, 1.0);
+    e.keys("<enter><c-u>");
+    e.paste(" ");
+    e.keys("<enter>");
+    assert_eq!((message(&e), e.prompt().is_some()), ("a layer needs a name", true));
+    e.keys("<esc>");
+    e.keys("jj");
+    assert!(matches!(e.rows().iter().find(|row| row.selected).map(|row| row.kind), Some(RowKind::Parameter(_))));
+}
+
+#[test]
+fn the_maps_tab_charts_what_layers_do_and_walks_the_keys() {
+    let mut e = editor();
+    go_to(&mut e, Tab::Maps);
+    e.keys("gn");
+    while !e.map_series().title.contains("Chest") {
+        e.keys("gc");
+    }
+    let series = e.map_series();
+    let file_frame = e.document().solved().clip.rest_frames();
+    let expected = 2.0 * (0.1f64 / 0.9).atan().to_degrees();
+    assert!((series.values[0][10 - file_frame] - expected).abs() < 1e-9 && series.values[1][10 - file_frame] == 0.0);
+    assert!((series.values[0][50 - file_frame] - 0.5 * expected).abs() < 1e-6);
+    assert_eq!((series.values[0][200], series.unit.as_str()), (0.0, "°"));
+    let rows = e.rows();
+    assert_eq!(rows.iter().map(|row| row.label.trim()).collect::<Vec<_>>(), ["10 Chest", "90 Chest"]);
+    e.keys("j");
+    assert_eq!(e.view().frame_idx + file_frame, 90);
+    e.keys("k");
+    assert_eq!(e.view().frame_idx + file_frame, 10);
+}
