@@ -11,7 +11,7 @@ use glam::DVec3;
 use link_sample::{now, scene, still};
 use walkabout::{
     key::{Code, Key},
-    link::{Error, EventReader, EventWriter, Fault, SceneReader, SceneWriter, check_scene},
+    link::{Error, EventReader, EventWriter, Fault, SceneReader, SceneWriter, VERSION, check_scene},
     scene::{FromPreview, Picture, Ray, Scene, ToPreview},
 };
 
@@ -184,7 +184,7 @@ fn foreign_bytes_and_other_versions_are_named() {
     let mut bytes = scene_bytes(&messages());
     bytes[9] = 99;
     let error = end(&bytes).expect_err("another version");
-    assert_eq!(error.to_string(), "the link speaks version 99, this program version 2");
+    assert_eq!(error.to_string(), format!("the link speaks version 99, this program version {VERSION}"));
 }
 
 #[test]

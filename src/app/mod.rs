@@ -167,7 +167,13 @@ impl App {
             last = Instant::now();
             let mut changed = self.editor.advance(secs);
             // What has piled up is acted on before anything is drawn.
-            for event in event.into_iter().chain(events.try_iter()) {
+            let mut waiting = event.into_iter().chain(events.try_iter()).peekable();
+            while let Some(event) = waiting.next() {
+                // Of a pointer's way only its end counts.
+                let is_drag = |event: &Event| matches!(event, Event::Preview(_, FromPreview::Drag(_)));
+                if is_drag(&event) && waiting.peek().is_some_and(is_drag) {
+                    continue;
+                }
                 changed = true;
                 if let Next::Leave(status) = self.act(event)? {
                     return Ok(status);

@@ -8,7 +8,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, joints, layers, loops, maps,
+    feet, joints, layers, loops, map_keys, maps, pose,
 };
 use crate::{
     contact::PlantMode,
@@ -98,6 +98,11 @@ fn path_editable(editor: &Editor) -> bool {
     editor.document.solved().clip.facts.path_editable
 }
 
+/// Tells whether there is something that x, y and z move: a control point, or a joint where its tab is in use.
+fn places(editor: &Editor) -> bool {
+    pose::is_open(editor) || path_editable(editor)
+}
+
 fn selected_row(editor: &Editor) -> Option<super::Row> {
     editor.rows().into_iter().find(|row| row.selected)
 }
@@ -152,33 +157,55 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Panel, "set", &[":"], "Set any parameter: NAME=VALUE.", always, |e, _| ask(e, Asking::Assignment, "")),
     row(Group::Points, "point.next", &["n"], "Next control point.", path_editable, |e, _| choose_point(e, 1)),
     row(Group::Points, "point.previous", &["p"], "Previous control point.", path_editable, |e, _| choose_point(e, -1)),
-    row(Group::Points, "point.x_up", &["x"], "Move the point along +x by path.nudge.", path_editable, |e, c| {
-        nudge(e, c, DVec3::X)
-    }),
-    row(Group::Points, "point.x_down", &["X"], "Move the point along −x.", path_editable, |e, c| {
+    row(
+        Group::Points,
+        "point.x_up",
+        &["x"],
+        "Move the point along +x; on the joints tab move or turn the joint.",
+        places,
+        |e, c| nudge(e, c, DVec3::X),
+    ),
+    row(Group::Points, "point.x_down", &["X"], "The same along or about −x.", places, |e, c| {
         nudge(e, c, DVec3::NEG_X)
     }),
-    row(Group::Points, "point.y_up", &["y"], "Move the point along +y.", path_editable, |e, c| nudge(e, c, DVec3::Y)),
-    row(Group::Points, "point.y_down", &["Y"], "Move the point along −y.", path_editable, |e, c| {
+    row(Group::Points, "point.y_up", &["y"], "The same along or about +y.", places, |e, c| nudge(e, c, DVec3::Y)),
+    row(Group::Points, "point.y_down", &["Y"], "The same along or about −y.", places, |e, c| {
         nudge(e, c, DVec3::NEG_Y)
     }),
-    row(Group::Points, "point.z_up", &["z"], "Move the point along +z.", path_editable, |e, c| nudge(e, c, DVec3::Z)),
-    row(Group::Points, "point.z_down", &["Z"], "Move the point along −z.", path_editable, |e, c| {
+    row(Group::Points, "point.z_up", &["z"], "The same along or about +z.", places, |e, c| nudge(e, c, DVec3::Z)),
+    row(Group::Points, "point.z_down", &["Z"], "The same along or about −z.", places, |e, c| {
         nudge(e, c, DVec3::NEG_Z)
     }),
-    row(Group::Points, "nudge.up", &["}"], "A larger nudge step.", always, |e, c| {
-        step_value(e, c, "path.nudge", 1, false)
+    row(Group::Points, "nudge.up", &["}"], "A larger step of these keys.", always, |e, c| {
+        step_value(e, c, nudge_name(e), 1, false)
     }),
-    row(Group::Points, "nudge.down", &["{"], "A smaller nudge step.", always, |e, c| {
-        step_value(e, c, "path.nudge", -1, false)
+    row(Group::Points, "nudge.down", &["{"], "A smaller step.", always, |e, c| {
+        step_value(e, c, nudge_name(e), -1, false)
     }),
-    row(Group::Points, "point.type", &["c"], "Type the point's coordinates.", path_editable, |e, _| type_point(e)),
-    row(Group::Points, "point.insert", &["i"], "Insert a point after this one.", path_editable, insert_point),
-    row(Group::Points, "point.delete", &["d", "<delete>"], "Delete the point.", path_editable, |e, c| {
-        e.change(c, &Change::DeletePoint { point_idx: e.view.point_idx });
-        e.end_step();
-        Effect::None
-    }),
+    row(
+        Group::Points,
+        "point.type",
+        &["c"],
+        "Type the point's coordinates, or the joint's or its angles.",
+        places,
+        |e, _| if pose::is_open(e) { pose::ask(e) } else { type_point(e) },
+    ),
+    row(
+        Group::Points,
+        "point.insert",
+        &["i"],
+        "Insert a point after this one; keys of the selected joints.",
+        places,
+        |e, c| if pose::is_open(e) { map_keys::add(e, c) } else { insert_point(e, c) },
+    ),
+    row(
+        Group::Points,
+        "point.delete",
+        &["d", "<delete>"],
+        "Delete the point; the selected joints' keys here.",
+        places,
+        |e, c| if pose::is_open(e) { map_keys::delete(e, c) } else { delete_point(e, c) },
+    ),
     row(Group::Points, "path.reset", &["r"], "Back to the straight line.", path_editable, |e, c| {
         e.change(c, &Change::Straighten);
         Effect::None
@@ -211,8 +238,22 @@ pub const COMMANDS: &[Command] = &[
     }),
     row(Group::Shapes, "shape.u", &["su"], "A U.", path_editable, |e, c| shape(e, c, ShapeKind::U)),
     row(Group::Shapes, "shape.s", &["ss"], "An S.", path_editable, |e, c| shape(e, c, ShapeKind::S)),
-    row(Group::Feet, "plant.next", &["l"], "To the next plant of the foot.", feet::has_plant, |e, _| feet::next(e)),
-    row(Group::Feet, "plant.previous", &["h"], "To the plant before.", feet::has_plant, |e, _| feet::previous(e)),
+    row(
+        Group::Feet,
+        "plant.next",
+        &["l"],
+        "To the next plant of the foot; on the joints tab to the next key.",
+        |e| pose::is_open(e) || feet::has_plant(e),
+        |e, _| if pose::is_open(e) { map_keys::next(e) } else { feet::next(e) },
+    ),
+    row(
+        Group::Feet,
+        "plant.previous",
+        &["h"],
+        "To the plant, or the key, before.",
+        |e| pose::is_open(e) || feet::has_plant(e),
+        |e, _| if pose::is_open(e) { map_keys::previous(e) } else { feet::previous(e) },
+    ),
     row(Group::Feet, "plant.foot", &["F"], "Choose the other foot.", feet::has_feet, |e, _| feet::choose_other(e)),
     row(Group::Feet, "plant.first_earlier", &["5"], "The plant begins a frame earlier.", feet::has_plant, |e, c| {
         feet::move_first(e, c, -1)
@@ -256,6 +297,34 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Joints, "joint.all", &["ga"], "Select all joints.", always, |e, _| joints::select_all(e)),
     row(Group::Joints, "joint.none", &["gn"], "Select no joint.", always, |e, _| joints::select_none(e)),
     row(Group::Joints, "joint.invert", &["gi"], "Select the other joints.", always, |e, _| joints::invert(e)),
+    row(Group::Joints, "pose.tool", &["e"], "Turn the joint with x y z, or move it.", pose::is_open, |e, _| {
+        pose::change_tool(e)
+    }),
+    row(Group::Joints, "pose.axes", &["G"], "Next axes: world, view, parent, own.", pose::is_open, |e, c| {
+        step_value(e, c, "pose.axes", 1, false)
+    }),
+    row(Group::Joints, "keys.move", &["M"], "Move the keys here to another frame.", pose::is_open, |e, _| {
+        map_keys::ask_move(e)
+    }),
+    row(Group::Joints, "keys.copy", &["D"], "Copy the keys here to another frame.", pose::is_open, |e, _| {
+        map_keys::ask_copy(e)
+    }),
+    row(
+        Group::Joints,
+        "interpolation.set",
+        &["I"],
+        "Set an interpolation key; between two the clip is replaced.",
+        has_motion,
+        map_keys::interpolate,
+    ),
+    row(
+        Group::Joints,
+        "interpolation.delete",
+        &["O"],
+        "Delete the interpolation keys.",
+        map_keys::is_interpolated,
+        map_keys::uninterpolate,
+    ),
     row(Group::Layers, "layer.add", &["Bn"], "A new layer above all others.", always, layers::add),
     row(Group::Layers, "layer.next", &["Bb"], "Use the next higher layer.", layers::any, |e, _| layers::next(e)),
     row(Group::Layers, "layer.switch", &["Bo"], "Switch the layer on or off.", layers::any, layers::switch),
@@ -479,7 +548,7 @@ fn move_row(editor: &mut Editor, by: i64) -> Effect {
     let row = (now as i64 + by).max(0) as usize;
     editor.view.select_row(&rows, row);
     match rows.get(row).map(|row| row.kind) {
-        Some(RowKind::Plant { plant_idx }) => _ = feet::go_to(editor, plant_idx),
+        Some(RowKind::Plant { plant_idx }) => feet::go_to(editor, plant_idx),
         Some(RowKind::MapPoint { frame, .. }) => maps::go_to(editor, frame),
         _ => {}
     }
@@ -576,6 +645,14 @@ fn show_point_row(editor: &mut Editor) {
 }
 
 fn nudge(editor: &mut Editor, command: &'static str, direction: DVec3) -> Effect {
+    if pose::is_open(editor) { pose::step(editor, command, direction) } else { nudge_point(editor, command, direction) }
+}
+
+fn nudge_name(editor: &Editor) -> &'static str {
+    if pose::is_open(editor) { pose::step_name(editor) } else { "path.nudge" }
+}
+
+fn nudge_point(editor: &mut Editor, command: &'static str, direction: DVec3) -> Effect {
     let solved = editor.document.solved();
     let point_idx = editor.view.point_idx;
     let step = editor.document.edits().path.nudge * solved.clip.facts.height.value;
@@ -593,6 +670,12 @@ fn insert_point(editor: &mut Editor, command: &'static str) -> Effect {
         show_point_row(editor);
         editor.follow_document();
     }
+    editor.end_step();
+    Effect::None
+}
+
+fn delete_point(editor: &mut Editor, command: &'static str) -> Effect {
+    editor.change(command, &Change::DeletePoint { point_idx: editor.view.point_idx });
     editor.end_step();
     Effect::None
 }

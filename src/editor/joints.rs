@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Editor, Effect, Message, Row, RowKind, TABS, Tab};
+use super::{Editor, Effect, Message, Row, RowKind, TABS, Tab, map_keys, panel, pose};
 use crate::{
     displace::{Selection, can_turn, joint_name},
     motion::Clip,
@@ -21,6 +21,15 @@ pub enum Handle {
     Joint(JointId),
 }
 
+/// What keys do with the active joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tool {
+    /// Move it, the selected joints above it turning.
+    Move,
+    /// Turn it.
+    Turn,
+}
+
 /// The handles that keys act on. None of it is history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joints {
@@ -28,11 +37,13 @@ pub struct Joints {
     pub active: Handle,
     /// What is selected.
     pub selected: BTreeSet<Handle>,
+    /// What keys do with the active one.
+    pub tool: Tool,
 }
 
 impl Joints {
     pub(super) fn new(clip: &Clip) -> Self {
-        Self { active: Handle::Joint(clip.facts.carrier.value), selected: BTreeSet::new() }
+        Self { active: Handle::Joint(clip.facts.carrier.value), selected: BTreeSet::new(), tool: Tool::Move }
     }
 
     /// Tells whether a handle is selected.
@@ -91,19 +102,21 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
     for joint in clip.skeleton.joints() {
         depths.push(joint.parent.map_or(0, |parent| depths[parent.idx()] + 1));
     }
+    let step = pose::step_in_words(editor);
     let row = |handle| {
+        let keys = map_keys::count(editor, handle);
         let depth = if let Handle::Joint(id) = handle { depths[id.idx()] } else { 0 };
         let sign = if joints.is_selected(handle) { '◉' } else { '○' };
-        let help = "gt selects it or not, gr all from it to the root; gp gc gs gS gm walk to its parent, child, \
-                    siblings, other side.";
+        let help =
+            format!("xyz XYZ {step}; e turn or move, G axes, {{ }} step, c type; gt gr select, i d keys, h l walk.");
         Row {
             kind: RowKind::Joint(handle),
             label: format!("{}{sign} {}", " ".repeat(depth), name(clip, handle)),
-            value: if is_editable(clip, handle) { String::new() } else { "cannot be edited".to_owned() },
+            changed: keys.is_some(),
+            value: if is_editable(clip, handle) { keys.unwrap_or_default() } else { "cannot be edited".to_owned() },
             unit: "",
-            changed: false,
             selected: false,
-            help: help.to_owned(),
+            help,
         }
     };
     handles(clip).map(row).collect()
@@ -166,8 +179,7 @@ fn walk(editor: &mut Editor, direction: &str, to: fn(&Skeleton, JointId) -> Opti
 pub(super) fn activate(editor: &mut Editor, handle: Handle) {
     editor.view.joints.active = handle;
     let tab_idx = TABS.iter().position(|&tab| tab == Tab::Joints).expect("the tab is in the list");
-    // Rows of other tabs are not at hand; this tab has nothing above its handles.
-    let row = handles(&editor.document.solved().clip).position(|other| other == handle);
+    let row = panel::rows_of(editor, Tab::Joints).iter().position(|row| row.kind == RowKind::Joint(handle));
     editor.view.rows[tab_idx] = row.expect("handles are of this clip");
 }
 

@@ -13,10 +13,12 @@ mod joints;
 mod keymap;
 mod layers;
 mod loops;
+mod map_keys;
 mod maps;
 mod panel;
 mod pick;
 mod picture;
+mod pose;
 mod prompt;
 mod view;
 
@@ -26,7 +28,7 @@ use std::{
 };
 
 use crate::{
-    document::{Change, Document, EXTENSION, parse_assignment},
+    document::{Change, Document, EXTENSION, KeyChange, Solved, parse_assignment},
     key::Key,
     scene::Scene,
 };
@@ -34,7 +36,7 @@ use crate::{
 pub use area::PlanArea;
 pub use camera::{PRESET_NAMES, Preset, preset};
 pub use command::{COMMANDS, Command, Group};
-pub use joints::{Handle, Joints};
+pub use joints::{Handle, Joints, Tool};
 pub use keymap::Hint;
 pub use maps::MapSeries;
 pub use panel::{Row, RowKind, TABS, Tab};
@@ -151,6 +153,8 @@ impl Editor {
     /// Acts on a key.
     pub fn key(&mut self, key: Key) -> Effect {
         self.view.message = None;
+        // A key may change what is dragged or when; the pointer takes hold anew.
+        self.grab = None;
         match self.prompt.take() {
             Some(prompt) => self.prompt_key(prompt, key),
             None => keymap::press(self, key),
@@ -196,16 +200,26 @@ impl Editor {
     fn change(&mut self, command: &'static str, change: &Change) {
         let held = self.last_step.is_some_and(|(name, at)| name == command && self.clock_secs - at < HELD_SECS);
         self.made_step = true;
+        let solved = Arc::clone(self.document.solved());
+        if self.change_from(&solved, change, held) {
+            self.last_step = Some((command, self.clock_secs));
+        }
+    }
+
+    /// Makes a change of an earlier state in place of what was done since; tells whether it could be made.
+    fn change_from(&mut self, from: &Solved, change: &Change, joins: bool) -> bool {
         let known = self.document.solved().warnings.clone();
-        match self.document.apply(change, held) {
-            Ok(mut warnings) => {
-                warnings.extend(self.document.solved().warnings.iter().filter(|w| !known.contains(w)).cloned());
+        let made = self.document.apply_to(from, change, joins);
+        match &made {
+            Ok(warnings) => {
+                let new = self.document.solved().warnings.iter().filter(|w| !known.contains(w));
+                let warnings: Vec<_> = warnings.iter().chain(new).cloned().collect();
                 self.view.message = (!warnings.is_empty()).then(|| Message::warning(warnings.join("; ")));
-                self.last_step = Some((command, self.clock_secs));
             }
             Err(error) => self.say(Message::error(error.to_string())),
         }
         self.follow_document();
+        made.is_ok()
     }
 
     /// Sets one parameter under the name of a command.
@@ -254,6 +268,10 @@ impl Editor {
                 None => self.say(Message::error(format!("expected three numbers x y z, found `{text}`"))),
             },
             Asking::LayerName { layer_idx } => layers::rename(self, *layer_idx, text),
+            Asking::MoveJoint { .. } => pose::typed_place(self, text),
+            Asking::TurnJoint { .. } => pose::typed_angles(self, text),
+            &Asking::MoveKeys { from } => map_keys::typed_frame(self, text, |to| KeyChange::Move { from, to }),
+            &Asking::CopyKeys { from } => map_keys::typed_frame(self, text, |to| KeyChange::Copy { from, to }),
             Asking::Save => self.ask_or(&as_project_name(text), Asking::OverwriteSave, Self::save_to),
             Asking::Export { interpolated } => {
                 let interpolated = *interpolated;

@@ -70,6 +70,11 @@ impl Tab {
         }
     }
 
+    /// Tells whether keys are about joints here, not about control points and plants.
+    pub fn is_of_joints(self) -> bool {
+        matches!(self, Self::Joints | Self::Layers | Self::Maps)
+    }
+
     fn holds(self, parameter: &Parameter, camera_idx: usize) -> bool {
         let section = parameter.section();
         match self {
@@ -146,8 +151,16 @@ pub enum RowKind {
 
 /// Returns the rows of the tab in use.
 pub(super) fn rows(editor: &Editor) -> Vec<Row> {
+    let mut rows = rows_of(editor, TABS[editor.view.tab_idx]);
+    if let Some(row) = selected_idx(editor, &rows) {
+        rows[row].selected = true;
+    }
+    rows
+}
+
+/// Returns the rows of a tab, none of them selected.
+pub(super) fn rows_of(editor: &Editor, tab: Tab) -> Vec<Row> {
     let view = &editor.view;
-    let tab = TABS[view.tab_idx];
     let edits = editor.document.edits();
     let mut rows: Vec<Row> = PARAMETERS
         .iter()
@@ -176,9 +189,6 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
         Tab::Maps => rows.extend(maps::rows(editor)),
         Tab::Quality => rows.extend(quality_rows(editor)),
         Tab::Show | Tab::Camera | Tab::Residuals => {}
-    }
-    if let Some(row) = selected_idx(editor, &rows) {
-        rows[row].selected = true;
     }
     rows
 }

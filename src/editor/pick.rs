@@ -3,10 +3,17 @@
 //! A preview knows pixels and cameras, so what comes here are rays. How near is near is measured in shares of the
 //! height of the view, whose pixels nobody here knows.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
-use super::{Editor, joints};
+use super::{
+    Editor, Message,
+    joints::{self, Handle},
+    pose,
+};
 use crate::{
+    document::{Change, Solved},
     scene::{Camera, Projection, Ray, Role, Scene},
     skeleton::JointId,
 };
@@ -20,31 +27,48 @@ const SAME: f64 = 0.004;
 /// The pointer may move by this share of the view's height and still make a click.
 const STILL: f64 = 0.006;
 
-/// The point that the pointer holds.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Grab {
-    /// The joint that the point is, or whose end site it is.
-    pub(super) joint: JointId,
-    /// The point of the skeleton.
-    pub(super) point: usize,
-    /// Where the point was when it was taken, world.
-    pub(super) at: DVec3,
-    /// Where the ray met the view's plane through the point then, world.
+/// A place that was taken in a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Hold {
+    /// The place, world.
+    at: DVec3,
+    /// Where the ray that took it meets the plane through it that faces the camera.
     met: DVec3,
     camera: Camera,
-    /// Whether the pointer has moved more than a click does.
-    pub(super) dragged: bool,
 }
 
-impl Grab {
-    /// Returns where a ray takes the point: along with the pointer in the plane through it that faces the camera. None
-    /// where the ray does not meet the plane.
-    pub(super) fn target(&self, ray: &Ray) -> Option<DVec3> {
+/// The point that the pointer holds.
+#[derive(Clone, Debug)]
+pub(super) struct Grab {
+    /// The joint that the point is, or whose end site it is.
+    joint: JointId,
+    /// The point of the skeleton.
+    point: usize,
+    /// Where it was when it was taken.
+    hold: Hold,
+    /// What was seen then, and at which edited frame: each step of a drag begins there.
+    from: Arc<Solved>,
+    frame_idx: usize,
+    /// Whether the pointer has moved more than a click does.
+    is_drag: bool,
+    /// Whether the drag has made a step of undo, which the rest of it joins.
+    made_step: bool,
+}
+
+impl Hold {
+    /// Takes a place by a ray; none where the ray does not come to it.
+    fn new(at: DVec3, camera: Camera, ray: &Ray) -> Option<Self> {
+        Some(Self { at, met: meet(&camera, at, ray)?, camera })
+    }
+
+    /// Returns where a ray takes the place: along with the pointer in the plane that faces the camera. None where the
+    /// ray does not meet the plane.
+    fn target(&self, ray: &Ray) -> Option<DVec3> {
         Some(self.at + meet(&self.camera, self.at, ray)? - self.met)
     }
 
     /// Tells whether a target is farther than a click goes.
-    fn is_drag(&self, target: DVec3) -> bool {
+    fn is_away(&self, target: DVec3) -> bool {
         target.distance(self.at) > STILL * view_height(&self.camera, self.at)
     }
 }
@@ -55,21 +79,45 @@ impl Editor {
         self.grab = self.under(scene, ray);
     }
 
-    /// Acts on the pointer moved with its button down.
+    /// Acts on the pointer moved with its button down: a selected joint follows it.
     pub fn drag(&mut self, ray: &Ray) {
-        if let Some(grab) = &mut self.grab
-            && let Some(target) = grab.target(ray)
+        let Some(mut grab) = self.grab.take() else { return };
+        if let Some(target) = grab.hold.target(ray)
+            && (grab.is_drag || grab.hold.is_away(target))
         {
-            grab.dragged |= grab.is_drag(target);
+            grab.is_drag = true;
+            self.drag_to(&mut grab, target);
         }
+        self.grab = Some(grab);
     }
 
     /// Acts on the pointer's button released: a click on a joint toggles the chain from it to the root.
     pub fn release(&mut self) {
-        if let Some(grab) = self.grab.take().filter(|grab| !grab.dragged) {
-            joints::activate(self, joints::Handle::Joint(grab.joint));
+        let Some(grab) = self.grab.take() else { return };
+        self.end_step();
+        if !grab.is_drag {
+            self.view.message = None;
+            joints::activate(self, Handle::Joint(grab.joint));
             joints::toggle_chain_from(self, grab.joint);
         }
+    }
+
+    fn drag_to(&mut self, grab: &mut Grab, target: DVec3) {
+        let handle = Handle::Joint(grab.joint);
+        let is_carrier = grab.joint == grab.from.clip.facts.carrier.value;
+        let joints = &self.view.joints;
+        let is_selected = joints.is_selected(handle) || (is_carrier && joints.is_selected(Handle::Position));
+        if !is_selected {
+            let name = joints::name(&grab.from.clip, handle);
+            self.say(Message::note(format!("{name} is not selected: click on it first")));
+            return;
+        }
+        joints::activate(self, handle);
+        self.view.playing = false;
+        self.view.jump(grab.frame_idx);
+        let change = pose::wanted(self, grab.point, grab.hold.at, target);
+        let change = Change::Pose { layer_idx: self.view.layer_idx, frame_idx: grab.frame_idx, change };
+        grab.made_step |= self.change_from(&grab.from, &change, grab.made_step);
     }
 
     /// Returns what the pointer takes at a ray; none where no point of the body is near.
@@ -85,8 +133,15 @@ impl Editor {
         };
         let drawn = points.iter().enumerate().filter(|&(point, _)| moves[joint_of(point).idx()]);
         let point = nearest(drawn.map(|(point, &at)| (point, at)), &camera, ray)?;
-        let at = points[point];
-        Some(Grab { joint: joint_of(point), point, at, met: meet(&camera, at, ray)?, camera, dragged: false })
+        Some(Grab {
+            joint: joint_of(point),
+            point,
+            hold: Hold::new(points[point], camera, ray)?,
+            from: Arc::clone(self.document.solved()),
+            frame_idx: self.view.frame_idx,
+            is_drag: false,
+            made_step: false,
+        })
     }
 }
 
@@ -195,15 +250,13 @@ mod tests {
         for camera in BOTH.map(camera) {
             let at = DVec3::new(0.4, 1.2, 0.3);
             let up = forward(&camera).cross(DVec3::Y).cross(forward(&camera)).normalize();
-            let pressed = ray(&camera, at + 0.01 * up);
-            let met = meet(&camera, at, &pressed).expect("the plane is before the eye");
-            let grab = Grab { joint: JointId(0), point: 0, at, met, camera, dragged: false };
-            let target = |to: DVec3| grab.target(&ray(&camera, to)).expect("the plane is before the eye");
+            let hold = Hold::new(at, camera, &ray(&camera, at + 0.01 * up)).expect("the place is before the eye");
+            let target = |to: DVec3| hold.target(&ray(&camera, to)).expect("the plane is before the eye");
             assert!(target(at + 0.01 * up).abs_diff_eq(at, 1e-12), "nothing jumps at the press");
             let moved = target(at + 0.51 * up);
             assert!(moved.abs_diff_eq(at + 0.5 * up, 1e-12), "{moved}");
             assert!((moved - at).dot(forward(&camera)).abs() < 1e-12);
-            assert!(grab.is_drag(moved) && !grab.is_drag(target(at + 0.012 * up)));
+            assert!(hold.is_away(moved) && !hold.is_away(target(at + 0.012 * up)));
         }
     }
 

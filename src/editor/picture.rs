@@ -11,7 +11,7 @@ use super::{
     body::{body, mark_selected},
     camera::{self, PRESET_NAMES},
     joints::Handle,
-    panel::{TABS, Tab},
+    panel::TABS,
     view::ViewState,
 };
 use crate::{
@@ -275,10 +275,10 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
     }
 }
 
-/// Returns marks at the selected joints of a body and, where its tab is in use, at the one that keys move.
+/// Returns marks at the selected joints of a body and, where a tab of theirs is in use, at the one that keys move.
 fn joint_marks<'a>(solved: &'a Solved, view: &'a ViewState, points: &'a [DVec3]) -> impl Iterator<Item = Mark> + 'a {
     let facts = &solved.clip.facts;
-    let active = (TABS[view.tab_idx] == Tab::Joints).then_some(view.joints.active);
+    let active = TABS[view.tab_idx].is_of_joints().then_some(view.joints.active);
     let roles = [(Role::SelectedJoint, JOINT_RADIUS), (Role::ActiveJoint, ACTIVE_RADIUS)];
     let selected = view.joints.selected.iter().filter(move |&&handle| Some(handle) != active);
     let marked = selected.map(move |&handle| (handle, roles[0])).chain(active.map(|handle| (handle, roles[1])));

@@ -26,6 +26,26 @@ pub enum Asking {
         /// Its place in the list.
         layer_idx: usize,
     },
+    /// `x y z` for the joint that keys move.
+    MoveJoint {
+        /// Its name.
+        name: String,
+    },
+    /// Angles about x, y, z for it.
+    TurnJoint {
+        /// Its name.
+        name: String,
+    },
+    /// The frame that the selected maps' keys at a frame move to.
+    MoveKeys {
+        /// File frame where they are.
+        from: usize,
+    },
+    /// The frame that they are copied to.
+    CopyKeys {
+        /// File frame where they are.
+        from: usize,
+    },
     /// The project file to save to.
     Save,
     /// The BVH file to export to.
@@ -83,6 +103,10 @@ impl Prompt {
             Asking::Assignment => "set NAME=VALUE:".to_owned(),
             Asking::Coordinates { point_idx } => format!("point {} x y z:", point_idx + 1),
             Asking::LayerName { .. } => "name of the layer:".to_owned(),
+            Asking::MoveJoint { name } => format!("{name} x y z:"),
+            Asking::TurnJoint { name } => format!("turn {name} about x y z, degrees:"),
+            Asking::MoveKeys { from } => format!("move the keys of file frame {from} to:"),
+            Asking::CopyKeys { from } => format!("copy the keys of file frame {from} to:"),
             Asking::Save => "save project as:".to_owned(),
             Asking::Export { interpolated: false } => "export BVH to:".to_owned(),
             Asking::Export { interpolated: true } => "export BVH, interpolation included, to:".to_owned(),

@@ -70,6 +70,8 @@ pub struct ViewState {
     pub joints: Joints,
     /// Layer that poses and keys go into, its place in the list.
     pub layer_idx: usize,
+    /// File frame of the first of two interpolation keys, until the second is set.
+    pub interpolated_from: Option<usize>,
     /// Camera preset in use, 0 to 3.
     pub camera_idx: usize,
     /// The area the plan and the presets frame.
@@ -93,6 +95,7 @@ impl ViewState {
             foot: Side::Left,
             joints: Joints::new(&solved.clip),
             layer_idx: 0,
+            interpolated_from: None,
             camera_idx: 0,
             area: area::area(solved),
             help: None,

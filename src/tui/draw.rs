@@ -27,7 +27,6 @@ use super::{
 };
 use crate::{
     contact::{FootPlants, Plant},
-    document::Solved,
     editor::{Editor, Hint, RowKind, Severity, TABS, Tab},
     scene::{Picture, Role, Scene},
 };
@@ -38,6 +37,9 @@ const PANEL_MAX: u16 = 52;
 const PANEL_MIN: u16 = 36;
 /// The keys the foot line shows, in this order, as far as there is room.
 const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  xyz XYZ move  s shape  h l plant  1-4 view  u undo  q quit";
+
+/// The same on the tabs of joints, layers and maps.
+const FIRST_KEYS_OF_JOINTS: &str = "? keys  space play  tab panel  j k joint  gt gr select  xyz XYZ move  e turn  i d key  h l key  1-4 view  u undo  q quit";
 
 /// What the screen shows beside the editor.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +95,8 @@ pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surr
     draw_panel(buf, parts.panel, editor, around.palette);
     draw_timeline(buf, parts.timeline, editor, around.palette);
     let cursor = draw_status(buf, parts.status, editor, around.palette);
-    text::put(buf, parts.keys, 0, 0, FIRST_KEYS, around.palette.dim());
+    let first_keys = if TABS[editor.view().tab_idx].is_of_joints() { FIRST_KEYS_OF_JOINTS } else { FIRST_KEYS };
+    text::put(buf, parts.keys, 0, 0, first_keys, around.palette.dim());
     if let Some(scroll) = editor.view().help {
         let body = parts.view.union(parts.panel);
         draw_hints(buf, body, &editor.hints(), scroll, around.palette);
@@ -244,19 +247,29 @@ fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette
         n_frames: solved.edited.n_frames() + rest,
         playhead: editor.view().frame_idx + rest,
         frame_time_secs: solved.clip.frame_time_secs,
-        marks: &loop_marks(solved),
+        marks: &marks(editor),
         rows: &rows,
         palette,
     };
     timeline.render(area, buf);
 }
 
-/// Returns signs on the timeline where a loop begins and where it begins again.
-fn loop_marks(solved: &Solved) -> Vec<TimelineMark> {
+/// Returns signs on the timeline where keys of displacement maps and interpolation keys are, and where a loop begins and
+/// begins again.
+fn marks(editor: &Editor) -> Vec<TimelineMark> {
+    let solved = editor.document().solved();
     let rest = solved.clip.rest_frames();
+    let key = |(file_frame, symbol): (usize, char)| {
+        let frame = solved.edited_frame(file_frame.checked_sub(rest)?)? + rest;
+        Some(TimelineMark { frame, symbol })
+    };
+    let pair = editor.document().edits().interpolation_keys;
+    let ends = pair.into_iter().flat_map(|keys| [(keys.first, '{'), (keys.last, '}')]);
+    let ends = ends.chain(editor.view().interpolated_from.map(|frame| (frame, '{')));
+    let keys = editor.key_frames().into_iter().map(|frame| (frame, '◆')).chain(ends);
     let start = solved.walked.repeat.map(|repeat| TimelineMark { frame: repeat.range.first + rest, symbol: '[' });
     let again = solved.timing.seams.iter().map(|seam| TimelineMark { frame: seam + rest, symbol: '╂' });
-    start.into_iter().chain(again).collect()
+    keys.filter_map(key).chain(start).chain(again).collect()
 }
 
 /// Draws the line being typed, the message or the state; returns where the cursor stands while typing.

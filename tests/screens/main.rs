@@ -177,6 +177,10 @@ fn each_state_says_what_it_is() {
         ("lms", "~~◆~~"),
         ("g", "Select all from it to the root, or not."),
         ("gcgcgr", "Chest, selected; 3 selected"),
+        ("<tab><tab><tab><tab>gtiD250<enter>0", "─◆─"),
+        ("<tab><tab><tab><tab>gtiD250<enter>0", "*◆ 2 keys"),
+        ("<tab><tab><tab><tab>", "gt gr select"),
+        ("I", "I at another frame sets the second"),
     ] {
         let with = |keys| screen(keys, (120, 40)).join("\n");
         assert!(with(keys).contains(text) && !with("").contains(text), "after {keys}:\n{}", with(keys));
@@ -200,8 +204,9 @@ fn the_start_screen_is_as_committed() {
 
 #[test]
 fn the_joint_tree_is_as_committed() {
-    // The left arm down to the elbow and all above it, the right wrist; keys move the right elbow.
-    let keys = "2<tab><tab><tab><tab>gcgcgcgsgcgcgrgmgcgtgp";
+    // The left arm down to the elbow and all above it, the right wrist, with keys at two frames; the clip is replaced
+    // from the second on; keys have lifted the right elbow.
+    let keys = "2<tab><tab><tab><tab>gcgcgcgsgcgcgrgmgcgtgpgtiD250<enter>I$I0yy";
     check_file("tests/screens/joints.txt", &(screen(keys, (120, 40)).join("\n") + "\n"));
 }
 
