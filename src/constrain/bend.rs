@@ -58,7 +58,7 @@ impl Bend<'_> {
         let n = self.carrier.len();
         let mut wanted = Vec::with_capacity(n + LANES);
         for at in (0..n).step_by(LANES) {
-            wanted.extend(self.wanted(|lane| (at + lane).min(n - 1)).lanes());
+            wanted.extend_from_slice(&self.wanted(|lane| (at + lane).min(n - 1)).lanes());
         }
         let drawn_in = self.drawn_in(&wanted[..n]);
         let target = |frame: usize| match drawn_in.get(frame) {
@@ -83,9 +83,9 @@ impl Bend<'_> {
             let shin = turns.hip.times(turns.knee).times(of(|p| p.ankle_parent));
             let above = QuatLanes::gather(|lane| self.carrier[frame(lane)].rotation).times(shin);
             let foot = QuatLanes::gather(|lane| self.feet[frame(lane)].ankle.rotation);
-            hips.extend(hip.lanes());
-            knees.extend(knee.lanes());
-            ankles.extend(above.conjugate().times(foot).lanes());
+            hips.extend_from_slice(&hip.lanes());
+            knees.extend_from_slice(&knee.lanes());
+            ankles.extend_from_slice(&above.conjugate().times(foot).lanes());
             let off = VecLanes::gather(|lane| wanted[at + lane]).minus(turns.reached).length_squared();
             if off.simd_gt(f64x4::splat(accuracy * accuracy)).any() {
                 for (frame, off) in (at..n).zip(off.to_array()) {
