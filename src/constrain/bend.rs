@@ -5,13 +5,17 @@
 //! faster towards full extension, and a swing that leaves it out is not seen.
 
 use glam::{DQuat, DVec3};
+use wide::f64x4;
 
 use super::{
     feet::{Planned, smootherstep},
-    prepared::{LegFrame, PreparedLeg},
+    prepared::{LegFrame, LegPose, PreparedLeg},
 };
 use crate::{
-    math::{Rigid, TwoBone},
+    math::{
+        Rigid, TwoBones,
+        lanes::{LANES, QuatLanes, VecLanes},
+    },
     motion::TurnedJoint,
 };
 
@@ -52,38 +56,66 @@ impl Bend<'_> {
     /// Bends the leg. A plant is missed when its foot is off by more than `accuracy`.
     pub(super) fn solve(&self, accuracy: f64) -> Bent {
         let n = self.carrier.len();
-        let wanted: Vec<DVec3> = (0..n).map(|frame| self.wanted(frame)).collect();
-        let drawn_in = self.drawn_in(&wanted);
-        let [mut hips, mut knees, mut ankles] = [0; 3].map(|_| Vec::with_capacity(n));
+        let mut wanted = Vec::with_capacity(n + LANES);
+        for at in (0..n).step_by(LANES) {
+            wanted.extend_from_slice(&self.wanted(|lane| (at + lane).min(n - 1)).lanes());
+        }
+        let drawn_in = self.drawn_in(&wanted[..n]);
+        let target = |frame: usize| match drawn_in.get(frame) {
+            Some(&by) if by > 0.0 => wanted[frame] * (1.0 - by / wanted[frame].length().max(by)),
+            _ => wanted[frame],
+        };
+        let [mut hips, mut knees, mut ankles] = [0; 3].map(|_| Vec::with_capacity(n + LANES));
         let mut missed = Vec::new();
-        for (frame, &wanted) in wanted.iter().enumerate() {
-            let (source, foot) = (&self.leg.frames[frame], &self.feet[frame]);
-            let by = drawn_in.get(frame).copied().unwrap_or(0.0);
-            let target = if by > 0.0 { wanted * (1.0 - by / wanted.length().max(by)) } else { wanted };
-            let turns = TwoBone { thigh: source.thigh, shin: source.shin, hinge: source.hinge, target }.solve();
-            let local = |parent: DQuat, rotation: DQuat| parent.conjugate() * rotation;
-            hips.push(local(source.hip_parent, turns.hip * source.hip_rotation));
-            knees.push(local(source.knee_parent, turns.knee * source.knee_rotation));
-            let shin = turns.hip * turns.knee * source.ankle_parent;
-            ankles.push(local(shin, self.carrier[frame].rotation.conjugate() * foot.ankle.rotation));
-            if let Some(plant) = foot.plant {
-                let off = wanted.distance(turns.reached);
-                if off > accuracy {
-                    missed.push((plant, frame, off));
+        for at in (0..n).step_by(LANES) {
+            let frame = |lane: usize| (at + lane).min(n - 1);
+            let pose = |lane: usize| &self.leg.poses[frame(lane)];
+            let turns = TwoBones {
+                thigh: VecLanes::gather(|lane| pose(lane).thigh),
+                shin: VecLanes::gather(|lane| pose(lane).shin),
+                hinge: VecLanes::gather(|lane| pose(lane).hinge),
+                target: VecLanes::gather(|lane| target(frame(lane))),
+            }
+            .solve();
+            let of = |rotation: fn(&LegPose) -> DQuat| QuatLanes::gather(|lane| rotation(pose(lane)));
+            let hip = of(|p| p.hip_parent).conjugate().times(turns.hip.times(of(|p| p.hip_rotation)));
+            let knee = of(|p| p.knee_parent).conjugate().times(turns.knee.times(of(|p| p.knee_rotation)));
+            let shin = turns.hip.times(turns.knee).times(of(|p| p.ankle_parent));
+            let above = QuatLanes::gather(|lane| self.carrier[frame(lane)].rotation).times(shin);
+            let foot = QuatLanes::gather(|lane| self.feet[frame(lane)].ankle.rotation);
+            hips.extend_from_slice(&hip.lanes());
+            knees.extend_from_slice(&knee.lanes());
+            ankles.extend_from_slice(&above.conjugate().times(foot).lanes());
+            let off = VecLanes::gather(|lane| wanted[at + lane]).minus(turns.reached).length_squared();
+            if off.simd_gt(f64x4::splat(accuracy * accuracy)).any() {
+                for (frame, off) in (at..n).zip(off.to_array()) {
+                    if let Some(plant) = self.feet[frame].plant
+                        && off > accuracy * accuracy
+                    {
+                        missed.push((plant, frame, off.sqrt()));
+                    }
                 }
             }
         }
         let joints = self.leg.leg;
-        let turned = [(joints.hip, hips), (joints.knee, knees), (joints.ankle, ankles)]
-            .map(|(joint, rotations)| TurnedJoint { joint, rotations });
+        let turned =
+            [(joints.hip, hips), (joints.knee, knees), (joints.ankle, ankles)].map(|(joint, mut rotations)| {
+                rotations.truncate(n);
+                TurnedJoint { joint, rotations }
+            });
         Bent { turned, missed }
     }
 
-    /// Returns where the ankle should be as seen from the hip, in the carrier's space.
-    fn wanted(&self, frame: usize) -> DVec3 {
-        let (foot, carrier) = (&self.feet[frame], &self.carrier[frame]);
-        let ankle = foot.ankle.translation + foot.follows * self.offsets[frame];
-        carrier.rotation.conjugate() * (ankle - carrier.translation) - self.leg.frames[frame].hip
+    /// Returns where the ankle should be as seen from the hip, in the carrier's space, at four frames.
+    #[inline(always)]
+    fn wanted(&self, frame: impl Fn(usize) -> usize) -> VecLanes {
+        let foot = |lane: usize| &self.feet[frame(lane)];
+        let carrier = |lane: usize| &self.carrier[frame(lane)];
+        let ankle = VecLanes::gather(|lane| foot(lane).ankle.translation - carrier(lane).translation);
+        let offset = VecLanes::gather(|lane| self.offsets[frame(lane)]);
+        let ankle = VecLanes::gather(|lane| foot(lane).follows).times(offset).plus(ankle);
+        let back = QuatLanes::gather(|lane| carrier(lane).rotation).conjugate();
+        back.rotate(ankle).minus(VecLanes::gather(|lane| self.leg.frames[frame(lane)].hip))
     }
 
     /// Returns by how much the foot is drawn in towards the hip at each frame; nothing where it never is.

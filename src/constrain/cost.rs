@@ -51,6 +51,7 @@ pub(super) struct Cost {
 
 impl Cost {
     /// Adds a spring; `force` is against the direction.
+    #[inline]
     fn add(&mut self, direction: DVec3, stiffness: f64, across: f64, force: f64) {
         let scaled = direction * (stiffness - across);
         self.stiffness[0] += scaled.x * direction.x + across;
@@ -63,6 +64,7 @@ impl Cost {
     }
 
     /// Adds the price of an offset.
+    #[inline]
     pub(super) fn add_offset(&mut self, offset: DVec3, height: f64, share: f64) {
         let near = share * NEARNESS;
         self.add(DVec3::ZERO, 0.0, near, 0.0);
@@ -86,11 +88,17 @@ impl Wish {
         (self.leg + self.moves * offset).length_squared() > bound * bound
     }
 
+    /// Returns how long an offset must be at least to make the leg longer than it may be.
+    pub(super) fn slack(&self) -> f64 {
+        self.bound() - self.leg.length()
+    }
+
     fn bound(&self) -> f64 {
         self.limit * (1.0 - LIMIT_MARGIN)
     }
 
     /// Adds the price of turning the knee.
+    #[inline]
     pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
         let (along, length) = self.stretched(offset);
         // A knee's bend is about twice the root of half the share by which its leg is short of straight.

@@ -3,7 +3,7 @@
 //! In a swing the foot lets go of one plant's motion, follows the body for a while and takes up the next one's: the
 //! shares of the two motions fall and rise smoothly, what is left of them is the body's own.
 
-use glam::{DQuat, DVec3, DVec4};
+use glam::{DMat3, DQuat, DVec3, DVec4};
 
 use super::{
     Ground, Job,
@@ -58,8 +58,20 @@ struct Stand<'a> {
     idx: u32,
     plant: &'a PreparedPlant,
     /// None for an intended slide, which is the body's own.
-    motion: Option<Rigid>,
+    motion: Option<Motion>,
 }
+
+/// The motion of a plant.
+#[derive(Clone, Copy)]
+struct Motion {
+    rigid: Rigid,
+    /// Its rotation.
+    turn: DMat3,
+}
+
+/// How fast a plant's motion comes and goes, along and up: what a frame is of the whole.
+#[derive(Clone, Copy)]
+struct Fade([f64; 2]);
 
 /// Times as numbers of frames.
 struct Times {
@@ -80,14 +92,21 @@ impl Times {
         }
     }
 
-    /// Returns the shares of a plant's motion, along and up, this many frames from its end in a swing of this many.
-    fn shares(&self, distance: usize, swing: Option<usize>) -> [f64; 2] {
+    /// Returns how a plant's motion fades in a swing of this many frames; none for one that only begins or ends.
+    fn fade(&self, swing: Option<usize>) -> Fade {
         let fades = match swing.map(|swing| swing as f64) {
             Some(swing) if swing < self.shortest_swing as f64 => [swing; 2],
             Some(swing) if swing < self.longest_swing => [(FADE_SHARE * swing).min(self.longest_fade), swing],
             _ => [self.longest_fade; 2],
         };
-        fades.map(|fade| 1.0 - smootherstep(distance as f64 / fade))
+        Fade(fades.map(f64::recip))
+    }
+}
+
+impl Fade {
+    /// Returns the shares of a plant's motion this many frames from its end.
+    fn shares(self, distance: usize) -> [f64; 2] {
+        self.0.map(|per_frame| 1.0 - smootherstep(distance as f64 * per_frame))
     }
 }
 
@@ -107,10 +126,11 @@ pub(super) fn plan(
     for after in stands.iter().map(Some).chain([None]) {
         let end = after.map_or(n, |s| s.plant.plant.first);
         let swing = before.zip(after).map(|(b, a)| a.plant.plant.first.saturating_sub(b.plant.plant.last));
+        let fade = times.fade(swing);
         let begin = feet.len();
         for (f, passage) in (begin..end).zip(&passage[begin..]) {
-            let from = before.map(|b| (b, times.shares(f - b.plant.plant.last, swing)));
-            let to = after.map(|a| (a, times.shares(a.plant.plant.first - f, swing)));
+            let from = before.map(|b| (b, fade.shares(f - b.plant.plant.last)));
+            let to = after.map(|a| (a, fade.shares(a.plant.plant.first - f)));
             feet.push(between(from, to, &leg.frames[f].ankle_world, passage, f));
         }
         let Some(stand) = after else { break };
@@ -124,7 +144,7 @@ pub(super) fn plan(
         }
         before = after;
     }
-    FootPlan { feet, motions: stands.iter().filter_map(|s| Some((s.idx, s.motion?))).collect() }
+    FootPlan { feet, motions: stands.iter().filter_map(|s| Some((s.idx, s.motion?.rigid))).collect() }
 }
 
 /// Returns where a foot in swing should be: by two plants' motions with their shares, for the rest by the body's.
@@ -135,22 +155,25 @@ fn between(
     passage: &Rigid,
     frame: usize,
 ) -> Planned {
-    let own = *passage * *ankle;
     let (mut rotation, mut translation) = (DVec4::ZERO, DVec3::ZERO);
     let mut follows = DVec3::ONE;
     for (stand, [along, up]) in [from, to].into_iter().flatten() {
-        let Some(moved) = stand.moved(ankle, frame) else { continue };
-        let alike = if own.rotation.dot(moved.rotation) < 0.0 { -along } else { along };
+        let Some(motion) = &stand.motion else { continue };
+        if (along, up) == (0.0, 0.0) {
+            continue;
+        }
+        let turn = motion.rigid.rotation;
+        let alike = if passage.rotation.dot(turn) < 0.0 { -along } else { along };
         let shares = DVec3::new(along, up, along);
-        rotation += alike * DVec4::from(moved.rotation);
-        translation += shares * moved.translation;
+        rotation += alike * DVec4::from(turn);
+        translation += shares * motion.point(stand.stood(ankle, frame));
         follows -= shares;
     }
     let follows = follows.max(DVec3::ZERO);
-    rotation += follows.x * DVec4::from(own.rotation);
-    translation += follows * own.translation;
-    let rotation = DQuat::from_vec4(rotation.try_normalize().unwrap_or(DVec4::from(own.rotation)));
-    Planned { ankle: Rigid::new(rotation, translation), follows, plant: None }
+    rotation += follows.x * DVec4::from(passage.rotation);
+    translation += follows * passage.point(ankle.translation);
+    let turn = DQuat::from_vec4(rotation.try_normalize().unwrap_or(DVec4::from(passage.rotation)));
+    Planned { ankle: Rigid::new(turn * ankle.rotation, translation), follows, plant: None }
 }
 
 /// Lists the plants of a leg with their motions.
@@ -179,6 +202,7 @@ fn stands<'a>(
         }
         let group = &leg.plants[idx..end];
         let motion = is_held(&group[0]).then(|| motion_of(group, &leg.frames, (job, source), passage));
+        let motion = motion.map(|rigid| Motion { rigid, turn: DMat3::from_quat(rigid.rotation) });
         stands.extend((idx as u32..).zip(group).map(|(idx, plant)| Stand { idx, plant, motion }));
     }
     stands
@@ -187,8 +211,19 @@ fn stands<'a>(
 impl Stand<'_> {
     /// Returns where the ankle of a frame is by this plant's motion, if it has one; also for frames outside it.
     fn moved(&self, ankle: &Rigid, frame: usize) -> Option<Rigid> {
-        let stood = Rigid::new(ankle.rotation, ankle.translation - self.plant.slid(frame));
-        Some(self.motion? * stood)
+        let motion = self.motion.as_ref()?;
+        Some(Rigid::new(motion.rigid.rotation * ankle.rotation, motion.point(self.stood(ankle, frame))))
+    }
+
+    /// Returns where the ankle would be in the source without what is taken off its own slide.
+    fn stood(&self, ankle: &Rigid, frame: usize) -> DVec3 {
+        ankle.translation - self.plant.slid(frame)
+    }
+}
+
+impl Motion {
+    fn point(&self, p: DVec3) -> DVec3 {
+        self.turn * p + self.rigid.translation
     }
 }
 
@@ -204,7 +239,7 @@ fn motion_of(
     let (mut over_path, mut over_ground) = (0.0, 0.0);
     let mut n = 0.0;
     for f in plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
-        let mid = 0.5 * (frames[f].ankle_world.translation + frames[f].toe_world);
+        let mid = frames[f].foot();
         foot += mid;
         place += passage[f].point(mid);
         yaw += job.path[f].heading_rad - job.original[f].heading_rad;

@@ -16,6 +16,7 @@ use crate::{
     math::{Rigid, twist_rad},
     motion::TurnedJoint,
     path::PathFrame,
+    sync::listed,
 };
 
 /// Weight of a leg in swing over one that stands.
@@ -113,8 +114,10 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let n = job.carrier.len();
     assert!(n <= prepared.n_frames && job.path.len() == n && job.original.len() == n, "the clip's frames, one to one");
     let dt = prepared.frame_time_secs;
-    let passage: Vec<Rigid> =
-        job.carrier.iter().zip(&prepared.carrier).map(|(plain, source)| *plain * source.inverse()).collect();
+    let passage = listed(n, |frames| {
+        let pairs = job.carrier[frames.clone()].iter().zip(&prepared.to_origin[frames]);
+        pairs.map(|(plain, to_origin)| *plain * *to_origin).collect()
+    });
     let asks = each(&prepared.legs, |_, leg| Ask::new(leg, job, prepared.slope, &passage, dt));
     if moves_as_one(&passage, prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
         let footprints = footprints(prepared, &asks);
@@ -204,8 +207,7 @@ impl Ask {
 fn footprint(idx: usize, leg: &PreparedLeg, plant_idx: u32, motion: &Rigid) -> Footprint {
     let prepared = &leg.plants[plant_idx as usize];
     let (first, last) = (prepared.plant.first, prepared.plant.last);
-    let along = (leg.frames[first..=last].iter()).map(|f| f.toe_world - f.ankle_world.translation).sum::<DVec3>();
-    let heading_rad = crate::math::heading_rad(motion.rotation * along).unwrap_or(twist_rad(motion.rotation));
+    let heading_rad = crate::math::heading_rad(motion.rotation * prepared.along).unwrap_or(twist_rad(motion.rotation));
     Footprint { leg: idx, first, last, place: motion.point(prepared.foot), heading_rad }
 }
 

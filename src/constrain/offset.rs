@@ -63,6 +63,8 @@ struct Search<'a> {
     limit_price: f64,
     points: Vec<DVec3>,
     intervals: Vec<Interval>,
+    /// By how much an offset may lengthen any leg in each interval before one is too long.
+    slacks: Vec<f64>,
     /// Points that may still have to move.
     active: Vec<bool>,
     /// Of the step that moves a point next.
@@ -87,6 +89,17 @@ impl Problem<'_> {
         }
         search.spline.at_frames(&search.points)
     }
+
+    /// Returns by how much an offset may lengthen any leg before one is too long, for the frames from knot to knot.
+    fn slacks(&self, spline: &Spline) -> Vec<f64> {
+        let mut slacks = vec![f64::INFINITY; spline.n_points - 3];
+        for leg in self.wishes {
+            for (slack, wishes) in slacks.iter_mut().zip(leg.chunks(spline.interval)) {
+                *slack = wishes.iter().map(Wish::slack).fold(*slack, f64::min);
+            }
+        }
+        slacks
+    }
 }
 
 impl<'a> Search<'a> {
@@ -98,9 +111,11 @@ impl<'a> Search<'a> {
             limit_price: 0.0,
             points: vec![DVec3::ZERO; n],
             intervals: Vec::new(),
+            slacks: Vec::new(),
             active: vec![true; n],
             damping: vec![0.0; n],
         };
+        search.slacks = problem.slacks(&search.spline);
         search.intervals = search.looked_at(0..n - 3, &search.points);
         search
     }
@@ -185,14 +200,20 @@ impl<'a> Search<'a> {
     fn interval(&self, interval: usize, points: &[DVec3], from: usize) -> Interval {
         let spline = &self.spline;
         let four = &points[interval - from..][..4];
+        // The offset lies within the control points' hull: it is no longer than the longest of them.
+        let farthest = four.iter().map(|point| point.length_squared()).fold(0.0, f64::max).sqrt();
+        let may_be_long = farthest > self.slacks[interval];
         let first = interval * spline.interval;
         let mut found = Interval::default();
         for (phase, frame) in (first..(first + spline.interval).min(spline.n_frames)).enumerate() {
-            let basis = &spline.basis[phase];
-            let offset = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
             // Wishes are smooth and looked at now and then; limits are not.
             let is_sample = phase.is_multiple_of(spline.stride);
-            let is_long = self.problem.wishes.iter().any(|leg| leg[frame].is_long(offset));
+            if !is_sample && !may_be_long {
+                continue;
+            }
+            let basis = &spline.basis[phase];
+            let offset = four[0] * basis[0] + four[1] * basis[1] + four[2] * basis[2] + four[3] * basis[3];
+            let is_long = may_be_long && self.problem.wishes.iter().any(|leg| leg[frame].is_long(offset));
             if !is_sample && !is_long {
                 continue;
             }

@@ -28,7 +28,8 @@ pub struct Prepared {
     pub(super) frame_time_secs: f64,
     /// Body height `H`, clip's unit.
     pub(super) height: f64,
-    pub(super) carrier: Vec<Rigid>,
+    /// What takes the carrier of each frame to the origin.
+    pub(super) to_origin: Vec<Rigid>,
     pub(super) legs: Vec<PreparedLeg>,
     /// Of the ground in the source.
     pub(super) slope: GroundSlope,
@@ -40,6 +41,8 @@ pub(super) struct PreparedLeg {
     pub(super) leg: Leg,
     pub(super) plants: Vec<PreparedPlant>,
     pub(super) frames: Vec<LegFrame>,
+    /// As many.
+    pub(super) poses: Vec<LegPose>,
 }
 
 /// A plant of the source.
@@ -50,22 +53,33 @@ pub(super) struct PreparedPlant {
     slide: Slide,
     /// Mean place of the foot, world.
     pub(super) foot: DVec3,
+    /// Mean way from ankle to toe, world.
+    pub(super) along: DVec3,
 }
 
-/// One leg at one frame. Positions and rotations in the carrier's space unless they say world.
+/// Where one leg is at one frame. Positions in the carrier's space unless they say world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegFrame {
     pub(super) hip: DVec3,
+    /// Distance from hip to ankle.
+    pub(super) reach: f64,
+    /// Length of thigh and shin together.
+    pub(super) length: f64,
+    /// World, source.
+    pub(super) ankle_world: Rigid,
+    /// World, source.
+    pub(super) toe_world: DVec3,
+}
+
+/// How one leg is bent at one frame; in the carrier's space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LegPose {
     /// From hip to knee.
     pub(super) thigh: DVec3,
     /// From knee to ankle.
     pub(super) shin: DVec3,
     /// Unit axis of the knee.
     pub(super) hinge: DVec3,
-    /// Distance from hip to ankle.
-    pub(super) reach: f64,
-    /// Length of thigh and shin together.
-    pub(super) length: f64,
     /// Of the joint above the hip.
     pub(super) hip_parent: DQuat,
     /// Of the hip itself.
@@ -73,10 +87,6 @@ pub(super) struct LegFrame {
     pub(super) knee_parent: DQuat,
     pub(super) knee_rotation: DQuat,
     pub(super) ankle_parent: DQuat,
-    /// World, source.
-    pub(super) ankle_world: Rigid,
-    /// World, source.
-    pub(super) toe_world: DVec3,
 }
 
 impl Prepared {
@@ -90,21 +100,28 @@ impl Prepared {
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
         let mut legs: Vec<PreparedLeg> = held
             .iter()
-            .map(|foot| PreparedLeg { leg: foot.leg, plants: Vec::new(), frames: Vec::with_capacity(n_frames) })
+            .map(|foot| PreparedLeg {
+                leg: foot.leg,
+                plants: Vec::new(),
+                frames: Vec::with_capacity(n_frames),
+                poses: Vec::with_capacity(n_frames),
+            })
             .collect();
         let carrier_idx = clip.facts.carrier.value.idx();
-        let mut carrier = Vec::with_capacity(n_frames);
+        let mut to_origin = Vec::with_capacity(n_frames);
         let mut rigids = Vec::new();
         for frame in 0..n_frames {
             clip.world_rigids(frame, &mut rigids);
             let back = rigids[carrier_idx].inverse();
-            carrier.push(rigids[carrier_idx]);
+            to_origin.push(back);
             for leg in &mut legs {
-                leg.frames.push(LegFrame::new(&clip.skeleton, &leg.leg, &rigids, &back));
+                let (frame, pose) = taken(&clip.skeleton, &leg.leg, &rigids, &back);
+                leg.frames.push(frame);
+                leg.poses.push(pose);
             }
         }
         for (leg, foot) in legs.iter_mut().zip(held) {
-            set_hinges(&mut leg.frames);
+            set_hinges(&mut leg.poses);
             leg.plants = (foot.plants.iter())
                 .filter(|plant| plant.first < n_frames)
                 .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
@@ -114,7 +131,7 @@ impl Prepared {
         legs.retain(|leg| !leg.plants.is_empty() && leg.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
         let feet: Vec<DVec3> = legs.iter().flat_map(|leg| &leg.plants).map(|plant| plant.foot).collect();
         let slope = GroundSlope::under(&feet, height);
-        Self { n_frames, frame_time_secs: clip.frame_time_secs, height, carrier, legs, slope }
+        Self { n_frames, frame_time_secs: clip.frame_time_secs, height, to_origin, legs, slope }
     }
 
     /// Returns the number of frames of the clip.
@@ -155,58 +172,68 @@ fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
     !foot.plants.is_empty() && [hip, knee, ankle].into_iter().all(free)
 }
 
-impl LegFrame {
-    /// Takes a leg out of a pose; the hinge is what the bend shows, of the length of its sine.
-    fn new(skeleton: &Skeleton, leg: &Leg, world: &[Rigid], back: &Rigid) -> Self {
-        let rotation = |joint: usize| back.rotation * world[joint].rotation;
-        let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
-        let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| back.point(world[joint.idx()].translation));
-        let (thigh, shin) = (knee - hip, ankle - knee);
-        let toe_world = match leg.toe.checked_sub(skeleton.n_joints()) {
-            None => world[leg.toe].translation,
-            Some(site) => {
-                let joint = skeleton.end_sites()[site];
-                world[joint.idx()].point(skeleton.joint(joint).end_site.expect("listed as one that has it"))
-            }
-        };
-        Self {
-            hip,
-            thigh,
-            shin,
-            hinge: thigh.normalize_or_zero().cross(shin.normalize_or_zero()),
-            reach: hip.distance(ankle),
-            length: thigh.length() + shin.length(),
-            hip_parent: parent(leg.hip.idx()),
-            hip_rotation: rotation(leg.hip.idx()),
-            knee_parent: parent(leg.knee.idx()),
-            knee_rotation: rotation(leg.knee.idx()),
-            ankle_parent: parent(leg.ankle.idx()),
-            ankle_world: world[leg.ankle.idx()],
-            toe_world,
+/// Takes a leg out of a pose; the hinge is what the bend shows, of the length of its sine.
+fn taken(skeleton: &Skeleton, leg: &Leg, world: &[Rigid], back: &Rigid) -> (LegFrame, LegPose) {
+    let rotation = |joint: usize| back.rotation * world[joint].rotation;
+    let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
+    let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| back.point(world[joint.idx()].translation));
+    let (thigh, shin) = (knee - hip, ankle - knee);
+    let toe_world = match leg.toe.checked_sub(skeleton.n_joints()) {
+        None => world[leg.toe].translation,
+        Some(site) => {
+            let joint = skeleton.end_sites()[site];
+            world[joint.idx()].point(skeleton.joint(joint).end_site.expect("listed as one that has it"))
         }
-    }
+    };
+    let frame = LegFrame {
+        hip,
+        reach: hip.distance(ankle),
+        length: thigh.length() + shin.length(),
+        ankle_world: world[leg.ankle.idx()],
+        toe_world,
+    };
+    let pose = LegPose {
+        thigh,
+        shin,
+        hinge: thigh.normalize_or_zero().cross(shin.normalize_or_zero()),
+        hip_parent: parent(leg.hip.idx()),
+        hip_rotation: rotation(leg.hip.idx()),
+        knee_parent: parent(leg.knee.idx()),
+        knee_rotation: rotation(leg.knee.idx()),
+        ankle_parent: parent(leg.ankle.idx()),
+    };
+    (frame, pose)
 }
 
 /// Makes the hinges unit axes: what the bend shows where there is one, what is usual for the thigh where there is none.
-fn set_hinges(frames: &mut [LegFrame]) {
-    let sum: DVec3 = frames.iter().map(|f| f.hip_rotation.conjugate() * f.hinge).sum();
+fn set_hinges(poses: &mut [LegPose]) {
+    let sum: DVec3 = poses.iter().map(|p| p.hip_rotation.conjugate() * p.hinge).sum();
     // A leg that never bends may bend about anything that is across it.
-    let across = |f: &LegFrame| f.hip_rotation.conjugate() * f.thigh.any_orthonormal_vector();
-    let usual = sum.try_normalize().unwrap_or_else(|| across(&frames[0]));
-    for frame in frames {
-        let usual = frame.hip_rotation * usual;
-        let shown = if frame.hinge.dot(usual) > 0.0 { frame.hinge } else { DVec3::ZERO };
-        frame.hinge = (shown + USUAL_HINGE * usual).normalize();
+    let across = |p: &LegPose| p.hip_rotation.conjugate() * p.thigh.any_orthonormal_vector();
+    let usual = sum.try_normalize().unwrap_or_else(|| across(&poses[0]));
+    for pose in poses {
+        let usual = pose.hip_rotation * usual;
+        let shown = if pose.hinge.dot(usual) > 0.0 { pose.hinge } else { DVec3::ZERO };
+        pose.hinge = (shown + USUAL_HINGE * usual).normalize();
+    }
+}
+
+impl LegFrame {
+    /// Returns the middle between ankle and toe, world.
+    pub(super) fn foot(&self) -> DVec3 {
+        0.5 * (self.ankle_world.translation + self.toe_world)
     }
 }
 
 impl PreparedPlant {
     fn new(plant: Plant, frames: &[LegFrame], frame_time_secs: f64) -> Self {
         let stands = &frames[plant.first..=plant.last];
-        let sum: DVec3 = stands.iter().map(|f| 0.5 * (f.ankle_world.translation + f.toe_world)).sum();
+        let sum: DVec3 = stands.iter().map(LegFrame::foot).sum();
+        let along: DVec3 = stands.iter().map(|f| f.toe_world - f.ankle_world.translation).sum();
         let clean = plant.mode == PlantMode::Clean;
         let slide = if clean { Slide::new(&plant, frames, frame_time_secs) } else { Slide::default() };
-        Self { plant, slide, foot: sum / stands.len() as f64 }
+        let n = stands.len() as f64;
+        Self { plant, slide, foot: sum / n, along: along / n }
     }
 
     /// Returns how far the foot has slid at a frame, also outside the plant; 0 when its own slide is kept.

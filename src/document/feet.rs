@@ -9,7 +9,7 @@ use super::{
 use crate::{
     constrain::Prepared,
     contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
-    measure::{Body, FootMeasure, FootNumbers, FootTracks, Placed},
+    measure::{Body, FootMeasure, FootNumbers, FootTracks},
     motion::{Clip, ClipOptions, Decided, Leg, PointTracks, Side, legs::find_legs},
 };
 
@@ -103,15 +103,14 @@ pub(super) fn prepared(clip: &Clip, plants: &[FootPlants], clean: bool) -> Prepa
     Prepared::new(clip, &feet)
 }
 
-/// Returns where an edit puts the points that are measured: ankle and toe of each leg.
-pub(super) fn moved(body: &Body, plants: &[FootPlants], placed: &Placed) -> PointTracks {
-    let points: Vec<usize> = plants.iter().flat_map(|foot| [foot.leg.ankle.idx(), foot.leg.toe]).collect();
-    body.points(&points, placed)
+/// Returns the points that are measured: ankle and toe of each leg.
+pub(super) fn measured_points(plants: &[FootPlants]) -> Vec<usize> {
+    plants.iter().flat_map(|foot| [foot.leg.ankle.idx(), foot.leg.toe]).collect()
 }
 
 /// Measures each foot, source beside edited, in the order of the plants.
 ///
-/// `moved` is where the edit has their points; each frame shows the clip's frame of that index in `source_frames`.
+/// `moved` is where the edit has [`measured_points`]; each frame shows the clip's frame of that index in `source_frames`.
 pub(super) fn numbers(
     clip: &Clip,
     body: &Body,

@@ -12,6 +12,7 @@ use crate::{
     motion::{Clip, EditedClip, TurnedJoint},
     path::{NewPath, PathFrame, Timing},
     skeleton::JointId,
+    sync::listed,
 };
 
 /// What holding the feet did, beside the clip it made. Frames are edited frames.
@@ -45,11 +46,13 @@ pub(super) struct Carriage<'a> {
 impl Carriage<'_> {
     /// Carries the clip as METHOD 3 to 5 have it; the feet slide.
     pub(super) fn plain(&self) -> EditedClip {
-        let frames = self.timing.source_frames.iter().zip(&self.timing.frames);
+        let (shown, path) = (&self.timing.source_frames, &self.timing.frames);
         EditedClip {
             clip: Arc::clone(self.clip),
             source_frames: self.timing.source_frames.clone(),
-            carrier_world: frames.map(|(&f, at)| self.posed.carrier(f as usize, at)).collect(),
+            carrier_world: listed(path.len(), |frames| {
+                frames.map(|f| self.posed.carrier(shown[f] as usize, &path[f])).collect()
+            }),
             turned: Vec::new(),
         }
     }
@@ -68,7 +71,8 @@ impl Carriage<'_> {
         let ends = self.restarts.iter().copied().chain([n]);
         for (first, end) in starts.zip(ends) {
             let path = self.whole_cycle(first, end);
-            let carrier: Vec<Rigid> = path.iter().enumerate().map(|(f, at)| self.posed.carrier(f, at)).collect();
+            let carrier: Vec<Rigid> =
+                listed(path.len(), |frames| frames.map(|f| self.posed.carrier(f, &path[f])).collect());
             let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
             append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.clip);
         }

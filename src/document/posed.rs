@@ -131,7 +131,11 @@ impl Posed {
             reuse(same_legs, |p| &p.posed.prepared, || feet::prepared(&clip, &walked.plants, edits.plants.clean));
         let joints = turning_joints(&walked.clip, &prepared, &displaced);
         let same_turning = same_walk.filter(|p| p.posed.turning.joints().eq(joints.iter().copied()));
-        let turning = reuse(same_turning, |p| &p.posed.turning, || Turning::of(&walked.clip, joints.iter().copied()));
+        let turning = reuse(
+            same_turning,
+            |p| &p.posed.turning,
+            || Turning::of(&walked.clip, &walked.body, joints.iter().copied()),
+        );
         let warnings = if edits.layers.is_empty() { Vec::new() } else { stack.warnings() };
         Self { base, of_clip, displaced, residuals, clip, prepared, turning, warnings }
     }

@@ -18,7 +18,7 @@ use std::{panic::resume_unwind, sync::Arc, thread};
 use glam::DVec3;
 
 use super::{
-    Edits, Feet, Posed, Solved, Source,
+    Edits, Feet, Posed, Solved, Source, feet,
     holding::Carriage,
     strain::Asked,
     walked::{Loaded, repeat},
@@ -153,22 +153,21 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
         None => walked.as_edit_of(&clip, &walk),
     };
 
-    let strains = reuse(
-        same_carriage,
-        |p| &p.strains,
-        || {
+    let strains = || {
+        let asked = || {
             let holding = holding.as_deref();
             let asked = Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &posed.prepared, holding };
             if walks { asked.strains() } else { Vec::new() }
-        },
-    );
+        };
+        reuse(same_carriage, |p| &p.strains, asked)
+    };
 
     // What no foot hangs on does not change the feet's numbers.
     let same_steps = same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.clip, &posed.clip));
-    let (measures, foot_numbers) = match (same_edit, same_steps) {
-        (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers)),
+    let (measures, foot_numbers, strains) = match (same_edit, same_steps) {
+        (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains()),
         _ => {
-            let placed = walked.body.placed(&walk, &posed.turning);
+            let (sweep, moved) = walked.body.look(&walk, &posed.turning, &feet::measured_points(&walked.plants));
             let own =
                 |(f, carrier): (usize, &Rigid)| posed.undisplaced(walk.source_frame(f), *carrier, &timing.frames[f]);
             let undisplaced: Vec<Rigid> = if walks && posed.displaced.moves_carrier() {
@@ -179,8 +178,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
             let carried = if posed.displaced.moves_carrier() { &undisplaced } else { &walk.carrier_world };
             let measured = Measured {
                 source: &body,
-                body: &walked.body,
-                placed: &placed,
+                sweep,
                 edited: &walk,
                 carried: walks.then_some(carried),
                 original: &original,
@@ -189,12 +187,13 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
                 new_path: &new_path,
                 timing: &timing,
             };
-            // The feet's numbers take half as long as the whole body's: a second core hides them.
+            // A second core hides the feet's numbers.
             thread::scope(|scope| {
-                let numbers = || walked.foot_numbers(&loaded, &placed, &walk, &edited);
+                let numbers = || walked.foot_numbers(&loaded, &moved, &walk, &edited);
                 let numbers = scope.spawn(move || reuse(same_steps, |p| &p.foot_numbers, numbers));
                 let measures = reuse(same_edit, |p| &p.measures, || measured.measures());
-                (measures, numbers.join().unwrap_or_else(|panic| resume_unwind(panic)))
+                let strains = strains();
+                (measures, numbers.join().unwrap_or_else(|panic| resume_unwind(panic)), strains)
             })
         }
     };

@@ -10,8 +10,8 @@ use crate::{
     contact::FootPlants,
     cycle::{Join, Joined, Loop, LoopFinder, LoopRange, Mismatch},
     math::Rigid,
-    measure::{Body, FootNumbers, Placed},
-    motion::{Clip, EditedClip, TurnedJoint},
+    measure::{Body, FootNumbers},
+    motion::{Clip, EditedClip, PointTracks, TurnedJoint},
     path::{OriginalPath, PathFrame, Residuals, may_cycle},
 };
 
@@ -62,22 +62,21 @@ impl Walked {
         seams.copied().filter(|&seam| seam < n_frames).collect()
     }
 
-    /// Measures the feet on a walk; `edited` is the same as an edit of the clip as loaded.
+    /// Measures the feet on a walk that has them at `moved`; `edited` is the same as an edit of the clip as loaded.
     ///
     /// Beside a joined clip's numbers stand those of the clip as loaded: joining moves feet, too.
     pub(super) fn foot_numbers(
         &self,
         loaded: &Loaded,
-        placed: &Placed,
+        moved: &PointTracks,
         walk: &EditedClip,
         edited: &EditedClip,
     ) -> Vec<FootNumbers> {
-        let moved = feet::moved(&self.body, &self.plants, placed);
-        let numbers = feet::numbers(&self.clip, &self.body, &self.plants, &moved, &walk.source_frames);
+        let numbers = feet::numbers(&self.clip, &self.body, &self.plants, moved, &walk.source_frames);
         if self.joined.is_none() {
             return numbers;
         }
-        let source = feet::numbers(loaded.clip, loaded.body, &loaded.feet.plants, &moved, &edited.source_frames);
+        let source = feet::numbers(loaded.clip, loaded.body, &loaded.feet.plants, moved, &edited.source_frames);
         numbers.into_iter().zip(&source).map(|(numbers, source)| numbers.beside(source)).collect()
     }
 

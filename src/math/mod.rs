@@ -1,12 +1,14 @@
-//! What glam and the linear algebra library lack: rigid motions, angles about up, limbs of two bones.
+//! What glam and the linear algebra library lack: rigid motions, angles about up, limbs of two bones, four frames at once.
 //!
 //! World space is y-up and right-handed; a heading of 0 looks along +Z and grows towards +X.
 
+pub(crate) mod lanes;
 mod two_bone;
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use two_bone::TwoBones;
 pub use two_bone::{Turns, TwoBone, shortest_arc};
 
 /// A rotation followed by a translation.
@@ -28,11 +30,13 @@ impl Rigid {
     }
 
     /// Maps a point.
+    #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation
     }
 
     /// Returns the motion that undoes this one.
+    #[inline]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: -(rotation * self.translation) }
@@ -43,6 +47,7 @@ impl std::ops::Mul for Rigid {
     type Output = Self;
 
     /// `a * b` applies `b` first.
+    #[inline]
     fn mul(self, b: Self) -> Self {
         Self { rotation: self.rotation * b.rotation, translation: self.point(b.translation) }
     }

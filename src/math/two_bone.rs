@@ -10,6 +10,12 @@
 //! ```
 
 use glam::{DQuat, DVec3};
+use wide::f64x4;
+
+use super::lanes::{LANES, QuatLanes, VecLanes};
+
+/// A cosine this near to the one opposite has no axis.
+const OPPOSITE: f64 = 1e-12;
 
 /// A leg, or any limb of two bones, and where its end should be, all in one space.
 #[derive(Clone, Copy, Debug)]
@@ -35,52 +41,95 @@ pub struct Turns {
     pub reached: DVec3,
 }
 
+/// Four of [`TwoBone`].
+pub(crate) struct TwoBones {
+    pub(crate) thigh: VecLanes,
+    pub(crate) shin: VecLanes,
+    pub(crate) hinge: VecLanes,
+    pub(crate) target: VecLanes,
+}
+
+/// Four of [`Turns`].
+pub(crate) struct TurnLanes {
+    pub(crate) knee: QuatLanes,
+    pub(crate) hip: QuatLanes,
+    pub(crate) reached: VecLanes,
+}
+
 impl TwoBone {
     /// Finds the turns; a target out of reach is approached as far as the leg is long.
     pub fn solve(&self) -> Turns {
-        let Self { thigh: u, shin: v, hinge: n, target } = *self;
-        let along = u.dot(n) * v.dot(n);
-        let (b, c) = (u.dot(v) - along, u.dot(n.cross(v)));
-        let radius = (b * b + c * c).sqrt();
-        let wanted = 0.5 * (target.length_squared() - u.length_squared() - v.length_squared());
-        let (mut knee, mut reached) = (DQuat::IDENTITY, u + v);
-        if radius > 0.0 {
-            // cos and sin of the bend as it is and as it has to be.
-            let (cos_was, sin_was) = (b / radius, -c / radius);
-            let cos = ((wanted - along) / radius).clamp(-1.0, 1.0);
-            let sin = (1.0 - cos * cos).sqrt();
-            let (cos_turn, sin_turn) = (cos * cos_was + sin * sin_was, sin * cos_was - cos * sin_was);
-            knee = about(n, cos_turn, sin_turn);
-            reached = u + turned(n, cos_turn, sin_turn, v);
-        }
-        let hip = shortest_arc(reached, target);
-        Turns { knee, hip, reached: hip * reached }
+        let [thigh, shin, hinge, target] = [self.thigh, self.shin, self.hinge, self.target].map(VecLanes::splat);
+        let turns = TwoBones { thigh, shin, hinge, target }.solve();
+        Turns { knee: turns.knee.lanes()[0], hip: turns.hip.lanes()[0], reached: turns.reached.lanes()[0] }
     }
 }
 
-/// Returns the rotation about a unit axis with this cosine and sine.
-fn about(axis: DVec3, cos: f64, sin: f64) -> DQuat {
-    // Half angles without trigonometry, each from the larger of the two expressions.
-    let (half_cos, half_sin) = if cos >= 0.0 {
-        let half_cos = (0.5 * (1.0 + cos)).sqrt();
-        (half_cos, 0.5 * sin / half_cos)
-    } else {
-        let half_sin = (0.5 * (1.0 - cos)).sqrt().copysign(sin);
-        (0.5 * sin / half_sin, half_sin)
-    };
-    let v = axis * half_sin;
-    DQuat::from_xyzw(v.x, v.y, v.z, half_cos)
+impl TwoBones {
+    /// Finds the turns of all four.
+    #[inline(always)]
+    pub(crate) fn solve(&self) -> TurnLanes {
+        let Self { thigh: u, shin: v, hinge: n, target } = *self;
+        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
+        let across = n.cross(v);
+        let along_v = v.dot(n);
+        let along = u.dot(n) * along_v;
+        let (b, c) = (u.dot(v) - along, u.dot(across));
+        let radius = (b * b + c * c).sqrt();
+        let bends = radius.simd_gt(zero);
+        let inverse = bends.bitselect(one / radius, zero);
+        let wanted = f64x4::splat(0.5) * (target.length_squared() - u.length_squared() - v.length_squared());
+        // cos and sin of the bend as it is and as it has to be.
+        let (cos_was, sin_was) = (b * inverse, -c * inverse);
+        let cos = ((wanted - along) * inverse).fast_max(-one).fast_min(one);
+        let sin = (one - cos * cos).sqrt();
+        let cos_turn = bends.bitselect(cos * cos_was + sin * sin_was, one);
+        let sin_turn = bends.bitselect(sin * cos_was - cos * sin_was, zero);
+        let knee = about(n, cos_turn, sin_turn);
+        let turned = v.scaled(cos_turn).plus(across.scaled(sin_turn)).plus(n.scaled(along_v * (one - cos_turn)));
+        let reached = u.plus(turned);
+        let hip = shortest_arcs(reached, target);
+        TurnLanes { knee, hip, reached: hip.rotate(reached) }
+    }
 }
 
-fn turned(axis: DVec3, cos: f64, sin: f64, v: DVec3) -> DVec3 {
-    v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+/// Returns the rotations about unit axes with these cosines and sines.
+#[inline(always)]
+fn about(axis: VecLanes, cos: f64x4, sin: f64x4) -> QuatLanes {
+    // Half angles without trigonometry, each from the larger of the two expressions.
+    let (zero, half) = (f64x4::ZERO, f64x4::splat(0.5));
+    let larger = (half * (f64x4::ONE + cos.abs())).sqrt();
+    let smaller = half * sin / larger;
+    let is_far = cos.simd_lt(zero);
+    let backwards = is_far & sin.simd_lt(zero);
+    let half_sin = is_far.bitselect(backwards.bitselect(-larger, larger), smaller);
+    let half_cos = is_far.bitselect(smaller.abs(), larger);
+    let VecLanes { x, y, z } = axis.scaled(half_sin);
+    QuatLanes { x, y, z, w: half_cos }
+}
+
+/// Returns the least rotations that take directions to others; none for vectors without direction.
+#[inline(always)]
+fn shortest_arcs(from: VecLanes, to: VecLanes) -> QuatLanes {
+    let scale = (from.length_squared() * to.length_squared()).sqrt();
+    let w = scale + from.dot(to);
+    let v = from.cross(to);
+    let inverse = f64x4::ONE / (v.length_squared() + w * w).sqrt();
+    let VecLanes { x, y, z } = v.scaled(inverse);
+    let turns = QuatLanes { x, y, z, w: w * inverse };
+    if !w.simd_le(scale * f64x4::splat(OPPOSITE)).any() {
+        return turns;
+    }
+    let (from, to) = (from.lanes(), to.lanes());
+    let one_by_one: [DQuat; LANES] = std::array::from_fn(|lane| shortest_arc(from[lane], to[lane]));
+    QuatLanes::gather(|lane| one_by_one[lane])
 }
 
 /// Returns the least rotation that takes one direction to another; none for vectors without direction.
 pub fn shortest_arc(from: DVec3, to: DVec3) -> DQuat {
     let scale = (from.length_squared() * to.length_squared()).sqrt();
     let w = scale + from.dot(to);
-    if w <= 1e-12 * scale {
+    if w <= OPPOSITE * scale {
         let aside = from.any_orthonormal_vector();
         return if scale > 0.0 { DQuat::from_xyzw(aside.x, aside.y, aside.z, 0.0) } else { DQuat::IDENTITY };
     }

@@ -3,8 +3,8 @@
 //! Those of feet need plants and are taken apart ([`FootMeasure`]).
 //!
 //! What costs most is looking at every joint of every frame. That is done once for the source ([`Body`], kept with
-//! the clip) and once for each result, from where the source's points are: an edit moves them in few rigid pieces
-//! ([`Placed`]).
+//! the clip) and once for each result ([`Body::look`]), from where the source's points are: an edit moves them in few
+//! rigid pieces.
 
 mod feet;
 mod placed;
@@ -14,9 +14,9 @@ mod sweep;
 use glam::DVec3;
 
 pub use feet::{FootMeasure, FootNumbers, FootTracks};
-pub use placed::{Placed, Turning};
+pub use placed::Turning;
 pub use seam::Seam;
-pub use sweep::Body;
+pub use sweep::{Body, Sweep};
 
 use crate::{
     math::Rigid,
@@ -60,10 +60,8 @@ pub struct Measures {
 pub struct Measured<'a> {
     /// The body of the clip as loaded.
     pub source: &'a Body,
-    /// The body of the clip that is edited: the same, or of the clip joined to itself.
-    pub body: &'a Body,
-    /// The same where the edit has it.
-    pub placed: &'a Placed<'a>,
+    /// What a look at the edited clip gave.
+    pub sweep: Sweep,
     /// The edited clip.
     pub edited: &'a EditedClip,
     /// Its carrier without what layers do; none while no new path is walked.
@@ -87,7 +85,7 @@ impl Measured<'_> {
         let source = self.source.source();
         // Without an edit the frames are the source's, and so are the numbers.
         let is_source = self.edited.carrier_world.is_empty() && self.edited.turned.is_empty();
-        let sweep = if is_source { source } else { self.body.sweep(self.placed) };
+        let sweep = if is_source { source } else { self.sweep };
         let jerk_ratio = match (sweep.mean_jerk, source.mean_jerk) {
             (Some(edited), Some(source)) if source > LEAST_JERK * height => Some(edited / source),
             _ => None,

@@ -9,12 +9,8 @@ use std::{ops::Range, sync::Arc};
 use glam::{DQuat, DVec3};
 use wide::f64x4;
 
-use super::{
-    UpAxis,
-    channels::FileMotion,
-    euler,
-    lanes::{LANES, QuatLanes, half_sin_cos_of_degrees},
-};
+use super::{UpAxis, channels::FileMotion, euler};
+use crate::math::lanes::{LANES, QuatLanes, half_sin_cos_of_degrees};
 
 /// How three rotation channels, one about each axis, turn a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,13 +8,10 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use wide::f64x4;
 
-use super::{
-    OffsetMeaning,
-    lanes::{FARTHEST_DEGREES, LANES, QuatLanes, half_sin_cos_of_degrees},
-    poses::Poses,
-};
+use super::{OffsetMeaning, poses::Poses};
 use crate::{
     bvh::{Bvh, Channel},
+    math::lanes::{FARTHEST_DEGREES, LANES, QuatLanes, half_sin_cos_of_degrees},
     skeleton::{Joint, JointId, Skeleton},
 };
 

@@ -7,14 +7,12 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use super::{
-    TurnedJoint,
-    lanes::{LANES, QuatLanes, VecLanes},
-    poses::Poses,
-    tracks::PointTracks,
-};
+use super::{TurnedJoint, poses::Poses, tracks::PointTracks};
 use crate::{
-    math::Rigid,
+    math::{
+        Rigid,
+        lanes::{LANES, QuatLanes, VecLanes},
+    },
     skeleton::{JointId, Skeleton},
 };
 

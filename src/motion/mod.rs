@@ -12,7 +12,6 @@ mod facts;
 mod from_bvh;
 pub mod gait;
 mod kinematics;
-mod lanes;
 pub mod legs;
 mod options;
 mod poses;

@@ -45,7 +45,7 @@ pub struct PointTracks {
 
 impl PointTracks {
     /// Makes tracks with every position at the origin.
-    pub(super) fn new(n_points: usize, n_frames: usize) -> Self {
+    pub fn new(n_points: usize, n_frames: usize) -> Self {
         const CACHE_LINE: usize = 8;
         let stride = (n_frames.div_ceil(CACHE_LINE) | 1) * CACHE_LINE;
         let axis = || vec![0.0; n_points * stride];
@@ -64,7 +64,17 @@ impl PointTracks {
         tracks
     }
 
+    /// Puts in the positions of a point from a frame on, axis by axis.
+    pub fn put(&mut self, point: usize, first_frame: usize, positions: [&[f64]; 3]) {
+        assert!(first_frame + positions[0].len() <= self.n_frames, "frames of the clip");
+        let at = self.at(point, first_frame);
+        for (axis, values) in [&mut self.x, &mut self.y, &mut self.z].into_iter().zip(positions) {
+            axis[at..at + values.len()].copy_from_slice(values);
+        }
+    }
+
     /// Returns the index of a position in the three arrays.
+    #[inline]
     pub(super) fn at(&self, point: usize, frame: usize) -> usize {
         point * self.stride + frame
     }
@@ -100,6 +110,7 @@ impl PointTracks {
     }
 
     /// Returns one position.
+    #[inline]
     pub fn position(&self, point: usize, frame: usize) -> DVec3 {
         assert!(frame < self.n_frames, "frame {frame} of {}", self.n_frames);
         let at = self.at(point, frame);

@@ -18,6 +18,7 @@ pub struct PathFrame {
 
 impl PathFrame {
     /// Returns the frame's orientation: Z along the path, X horizontal; tilted with the slope only in `Tangent`.
+    #[inline]
     pub fn rotation(&self, frame: ResidualFrame) -> DQuat {
         let turn = heading_rotation(self.heading_rad);
         match frame {
@@ -60,6 +61,7 @@ impl Residuals {
     }
 
     /// Carries the residual of a frame along a path.
+    #[inline]
     pub fn apply(&self, frame_idx: usize, at: &PathFrame) -> Rigid {
         let residual = &self.motions[frame_idx];
         let turn = at.rotation(self.frame);
@@ -69,6 +71,7 @@ impl Residuals {
     }
 
     /// Returns where the path must have been for a carrier to be where it is: the inverse of [`Self::apply`].
+    #[inline]
     pub fn removed(&self, frame_idx: usize, carrier: &Rigid) -> DVec3 {
         let residual = &self.motions[frame_idx];
         if self.frame == ResidualFrame::Absolute {

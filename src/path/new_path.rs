@@ -6,6 +6,7 @@ use super::{Headings, PathFrame, heading::tangent_directions};
 use crate::{
     curve::{ArcLength, BSpline, Cursor},
     math::heading_rotation,
+    sync::listed,
 };
 
 /// A tangent shorter than this share of the mean one has no direction.
@@ -85,24 +86,24 @@ impl NewPath {
 
     /// Returns the path frames at arc lengths; beyond its ends the path goes straight on. Quickest in rising order.
     pub fn frames_along(&self, arc_lengths: &[f64]) -> Vec<PathFrame> {
-        let mut cursor = Cursor::default();
-        let parameters = arc_lengths.iter().map(|&s| self.arc.parameter_near(s, &mut cursor));
         if self.headings == Headings::Tangent {
-            let parameters: Vec<f64> = parameters.collect();
+            let mut cursor = Cursor::default();
+            let parameters: Vec<f64> = arc_lengths.iter().map(|&s| self.arc.parameter_near(s, &mut cursor)).collect();
             let mut frames = self.tangent_frames(&parameters);
             for (frame, &s) in frames.iter_mut().zip(arc_lengths) {
                 self.carry_on(frame, s);
             }
             return frames;
         }
-        parameters
-            .zip(arc_lengths)
-            .map(|(u, &s)| {
-                let mut frame = self.windowed_frame(u, s);
+        listed(arc_lengths.len(), |range| {
+            let mut cursor = Cursor::default();
+            let at = |&s: &f64| {
+                let mut frame = self.windowed_frame(self.arc.parameter_near(s, &mut cursor), s);
                 self.carry_on(&mut frame, s);
                 frame
-            })
-            .collect()
+            };
+            arc_lengths[range].iter().map(at).collect()
+        })
     }
 
     /// Returns the path frames at parameters in [0, 1].

@@ -1,8 +1,13 @@
-//! A one-place mailbox: the newest value wins.
+//! Between threads: a one-place mailbox where the newest value wins, and work on frames done by halves.
 //!
-//! A slow reader skips values and a fast writer never waits. The lock is held for a move, never across a call.
+//! A mailbox's slow reader skips values and its fast writer never waits. The lock is held for a move, never across a
+//! call.
+
+mod halves;
 
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
+
+pub use halves::{halves, listed};
 
 /// A place for one value, shared by clones.
 #[derive(Debug)]

@@ -1,4 +1,4 @@
-//! Four frames at once: the few quaternion operations that whole-clip kinematics is made of.
+//! Four frames at once: the few vector and quaternion operations that work on whole clips is made of.
 //!
 //! A lane is a frame. Everything is branch-free, so that four frames cost little more than one.
 
@@ -6,23 +6,23 @@ use glam::{DQuat, DVec3};
 use wide::f64x4;
 
 /// Frames in a group.
-pub(super) const LANES: usize = 4;
+pub(crate) const LANES: usize = 4;
 
 /// Four vectors.
 #[derive(Clone, Copy)]
-pub(super) struct VecLanes {
-    pub(super) x: f64x4,
-    pub(super) y: f64x4,
-    pub(super) z: f64x4,
+pub(crate) struct VecLanes {
+    pub(crate) x: f64x4,
+    pub(crate) y: f64x4,
+    pub(crate) z: f64x4,
 }
 
 impl VecLanes {
-    pub(super) fn splat(v: DVec3) -> Self {
+    pub(crate) fn splat(v: DVec3) -> Self {
         Self { x: f64x4::splat(v.x), y: f64x4::splat(v.y), z: f64x4::splat(v.z) }
     }
 
     #[inline(always)]
-    pub(super) fn gather(lane: impl Fn(usize) -> DVec3) -> Self {
+    pub(crate) fn gather(lane: impl Fn(usize) -> DVec3) -> Self {
         let [a, b, c, d] = [lane(0), lane(1), lane(2), lane(3)];
         Self {
             x: f64x4::new([a.x, b.x, c.x, d.x]),
@@ -32,27 +32,64 @@ impl VecLanes {
     }
 
     #[inline(always)]
-    pub(super) fn plus(self, o: Self) -> Self {
+    pub(crate) fn lanes(self) -> [DVec3; LANES] {
+        let (x, y, z) = (self.x.to_array(), self.y.to_array(), self.z.to_array());
+        [0, 1, 2, 3].map(|i| DVec3::new(x[i], y[i], z[i]))
+    }
+
+    #[inline(always)]
+    pub(crate) fn plus(self, o: Self) -> Self {
         Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+
+    #[inline(always)]
+    pub(crate) fn minus(self, o: Self) -> Self {
+        Self { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+    }
+
+    #[inline(always)]
+    pub(crate) fn scaled(self, by: f64x4) -> Self {
+        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+
+    /// Returns the products axis by axis.
+    #[inline(always)]
+    pub(crate) fn times(self, o: Self) -> Self {
+        Self { x: self.x * o.x, y: self.y * o.y, z: self.z * o.z }
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(self, o: Self) -> f64x4 {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+
+    #[inline(always)]
+    pub(crate) fn cross(self, o: Self) -> Self {
+        Self { x: self.y * o.z - self.z * o.y, y: self.z * o.x - self.x * o.z, z: self.x * o.y - self.y * o.x }
+    }
+
+    #[inline(always)]
+    pub(crate) fn length_squared(self) -> f64x4 {
+        self.dot(self)
     }
 }
 
 /// Four quaternions.
 #[derive(Clone, Copy)]
-pub(super) struct QuatLanes {
-    pub(super) x: f64x4,
-    pub(super) y: f64x4,
-    pub(super) z: f64x4,
-    pub(super) w: f64x4,
+pub(crate) struct QuatLanes {
+    pub(crate) x: f64x4,
+    pub(crate) y: f64x4,
+    pub(crate) z: f64x4,
+    pub(crate) w: f64x4,
 }
 
 impl QuatLanes {
-    pub(super) fn splat(q: DQuat) -> Self {
+    pub(crate) fn splat(q: DQuat) -> Self {
         Self { x: f64x4::splat(q.x), y: f64x4::splat(q.y), z: f64x4::splat(q.z), w: f64x4::splat(q.w) }
     }
 
     #[inline(always)]
-    pub(super) fn gather(lane: impl Fn(usize) -> DQuat) -> Self {
+    pub(crate) fn gather(lane: impl Fn(usize) -> DQuat) -> Self {
         let [a, b, c, d] = [lane(0), lane(1), lane(2), lane(3)];
         Self {
             x: f64x4::new([a.x, b.x, c.x, d.x]),
@@ -63,14 +100,14 @@ impl QuatLanes {
     }
 
     #[inline(always)]
-    pub(super) fn lanes(self) -> [DQuat; LANES] {
+    pub(crate) fn lanes(self) -> [DQuat; LANES] {
         let ([x, y], [z, w]) = ([self.x.to_array(), self.y.to_array()], [self.z.to_array(), self.w.to_array()]);
         [0, 1, 2, 3].map(|i| DQuat::from_xyzw(x[i], y[i], z[i], w[i]))
     }
 
     /// Returns the rotation about axis 0 (x), 1 (y) or 2 (z) with this sine and cosine of half its angle.
     #[inline(always)]
-    pub(super) fn about(axis: usize, (s, c): (f64x4, f64x4)) -> Self {
+    pub(crate) fn about(axis: usize, (s, c): (f64x4, f64x4)) -> Self {
         let o = f64x4::splat(0.0);
         match axis {
             0 => Self { x: s, y: o, z: o, w: c },
@@ -81,7 +118,7 @@ impl QuatLanes {
 
     /// Returns `about(a, half_a) · about(b, half_b)`; for two different axes that is four products.
     #[inline(always)]
-    pub(super) fn about_two(a: usize, half_a: (f64x4, f64x4), b: usize, half_b: (f64x4, f64x4)) -> Self {
+    pub(crate) fn about_two(a: usize, half_a: (f64x4, f64x4), b: usize, half_b: (f64x4, f64x4)) -> Self {
         let ((sa, ca), (sb, cb)) = (half_a, half_b);
         let (w, along_a, along_b, across) = (ca * cb, sa * cb, ca * sb, sa * sb);
         match (a, b) {
@@ -97,7 +134,7 @@ impl QuatLanes {
 
     /// Returns `self · about(axis, half)`.
     #[inline(always)]
-    pub(super) fn turned(self, axis: usize, (s, c): (f64x4, f64x4)) -> Self {
+    pub(crate) fn turned(self, axis: usize, (s, c): (f64x4, f64x4)) -> Self {
         let Self { x, y, z, w } = self;
         match axis {
             0 => Self { x: x * c + w * s, y: y * c + z * s, z: z * c - y * s, w: w * c - x * s },
@@ -106,9 +143,14 @@ impl QuatLanes {
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn conjugate(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z, w: self.w }
+    }
+
     /// Returns `self · o`: `o` first.
     #[inline(always)]
-    pub(super) fn times(self, o: Self) -> Self {
+    pub(crate) fn times(self, o: Self) -> Self {
         let Self { x, y, z, w } = self;
         Self {
             x: w * o.x + x * o.w + y * o.z - z * o.y,
@@ -120,7 +162,7 @@ impl QuatLanes {
 
     /// Rotates vectors: `v + w t + u × t` with `t = 2 u × v`, `u` the vector part.
     #[inline(always)]
-    pub(super) fn rotate(self, v: VecLanes) -> VecLanes {
+    pub(crate) fn rotate(self, v: VecLanes) -> VecLanes {
         let Self { x, y, z, w } = self;
         let (tx, ty, tz) = (y * v.z - z * v.y, z * v.x - x * v.z, x * v.y - y * v.x);
         let (tx, ty, tz) = (tx + tx, ty + ty, tz + tz);
@@ -133,7 +175,7 @@ impl QuatLanes {
 }
 
 /// Largest angle [`half_sin_cos_of_degrees`] takes, degrees.
-pub(super) const FARTHEST_DEGREES: f64 = (1u64 << 40) as f64;
+pub(crate) const FARTHEST_DEGREES: f64 = (1u64 << 40) as f64;
 
 /// Returns sine and cosine of half of each angle, up to a common sign per lane (the same rotation).
 ///
@@ -141,7 +183,7 @@ pub(super) const FARTHEST_DEGREES: f64 = (1u64 << 40) as f64;
 /// is a short series, the cosine follows from the sine, and one doubling leads to the half. Within 1e-15 of the true
 /// values; the cosine is at least 0 but for rounding. Angles beyond [`FARTHEST_DEGREES`] give nonsense.
 #[inline(always)]
-pub(super) fn half_sin_cos_of_degrees(degrees: f64x4) -> (f64x4, f64x4) {
+pub(crate) fn half_sin_cos_of_degrees(degrees: f64x4) -> (f64x4, f64x4) {
     // Adding this and taking it away again leaves the nearest whole number; every processor has an addition.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
     let one = f64x4::splat(1.0);
