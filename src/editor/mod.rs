@@ -12,11 +12,13 @@ mod feet;
 mod joints;
 mod keymap;
 mod layers;
+mod look;
 mod loops;
 mod maps;
 mod panel;
 mod pick;
 mod picture;
+mod playback;
 mod prompt;
 mod view;
 
