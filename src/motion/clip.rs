@@ -12,6 +12,7 @@ use super::{
     facts::Facts,
     kinematics::{self, Walk},
     poses::Poses,
+    still::Length,
     tracks::PointTracks,
 };
 use crate::{
@@ -28,6 +29,8 @@ pub struct Clip {
     pub frame_time_secs: f64,
     /// What was found out.
     pub facts: Facts,
+    /// Where the number of frames comes from.
+    pub length: Length,
     /// What deserves the user's eye, one line each.
     pub warnings: Vec<String>,
     /// Rest frames included. Invariant: more frames than `facts.rest_frames`.
@@ -43,6 +46,7 @@ impl Clip {
             skeleton: clip.skeleton.clone(),
             frame_time_secs: clip.frame_time_secs,
             facts: clip.facts.clone(),
+            length: clip.length,
             warnings: clip.warnings.clone(),
             poses: edited.poses(),
             angles: clip.angles.of_other_frames(),
@@ -59,7 +63,8 @@ impl Clip {
         self.facts.rest_frames.value
     }
 
-    /// Returns the number of frames with the rest frames; at least 1, also for a file that has none.
+    /// Returns the number of frames with the rest frames; at least 1. For a file without motion of its own they are as
+    /// many as [`Length`] says, else the file's.
     pub fn n_file_frames(&self) -> usize {
         self.poses.n_frames
     }
@@ -132,6 +137,15 @@ impl Clip {
     pub fn world_points_of_file(&self, file_frame: usize, out: &mut Vec<DVec3>) {
         let mut rigids = Vec::with_capacity(self.skeleton.n_joints());
         kinematics::world_rigids(&self.skeleton, &self.poses, file_frame, &mut rigids);
+        kinematics::points(&self.skeleton, &rigids, out);
+    }
+
+    /// Fills `out` with the world positions of all points at a frame with every rotation channel 0: the normal skeleton,
+    /// its joints apart as at that frame.
+    pub fn unturned_points(&self, frame: usize, out: &mut Vec<DVec3>) {
+        let mut rigids = Vec::with_capacity(self.skeleton.n_joints());
+        let roots = self.facts.up.value.world_rotation();
+        kinematics::world_rigids_unturned(&self.skeleton, &self.poses, self.file_frame(frame), roots, &mut rigids);
         kinematics::points(&self.skeleton, &rigids, out);
     }
 
