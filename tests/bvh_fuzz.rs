@@ -1,6 +1,6 @@
 //! The reader on broken bytes: nothing panics, nothing grows beyond the text, and whatever loads is written back.
 
-use std::{env, fs};
+use std::{env, fs, sync::Arc};
 
 use proptest::prelude::*;
 use walkabout::bvh::{Bvh, Digits, RowEdit};
@@ -8,10 +8,12 @@ use walkabout::bvh::{Bvh, Digits, RowEdit};
 const DIGITS: Digits = Digits { position_decimals: 6, rotation_decimals: 6 };
 
 /// Small files with the oddities that the reader has a branch for.
-const SEEDS: [&str; 4] = [
+const SEEDS: [&str; 6] = [
     "HIERARCHY\nROOT a b\n{\n OFFSET 0 1 0\n CHANNELS 3 Xposition Yrotation zrotation\n End Site\n {\n  OFFSET 0 1 0\n }\n}\nMOTION\nFrames: 3\nFrame Time: 0.1\n1 2 3\n4 5 6\n7 8 9\n",
     "\u{feff}# c\r\nHIERARCHY\r\nROOT a {\r\nOFFSET 0 1 0\r\nCHANNELS 2 Xrotation Yrotation JOINT b { CHANNELS 1 Zrotation } }\r\nMOTION\r\nFrames:4\r\nFrame Time:.1\r\n1e0 2 // x\r\n3\r\n\r\n4 5 6 7 8 9\r\n1 2 3 \x1a",
     "hierarchy root r { offset 0 0 0 channels 1 Xposition } root s { channels 0 } motion frame time: 1 frames: 2 1 2",
+    "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\nCHANNELS 2 Xposition Yrotation\n}\nMOTION\nFrames: 0 # none\nFrame Time: 1 // s\n1\n\x1a",
+    "HIERARCHY\r\nROOT r\r\n{\r\nOFFSET 0 0 0\r\nCHANNELS 1 Xposition\r\n} // end\r\n \x1a",
     "HIERARCHY\rROOT r\r{\rOFFSET 0 0 0\rCHANNELS 3 Xposition Yposition Zposition\r}\rMOTION\rFrames: 3\rFrame Time: 1\r1 2 3 4\r5 6 7 8\r9",
 ];
 
@@ -53,7 +55,23 @@ fn check(bytes: &[u8]) -> bool {
         expected[n_frames * bvh.n_channels() - 1] = 12.5;
         assert_eq!(again.values(), expected);
     }
+    if n_frames == 0 && bvh.n_channels() > 0 {
+        check_row_of_zeros(&bvh, bytes);
+    }
     true
+}
+
+/// A file that loads without rows loads with the row it is given.
+fn check_row_of_zeros(bvh: &Bvh, bytes: &[u8]) {
+    let made = bvh.with_row_of_zeros(0.04).expect("it has channels");
+    let again = Bvh::parse(Arc::clone(made.text()), "zeros").unwrap_or_else(|e| panic!("{e}\n{:?}", lossy(bytes)));
+    assert!(again.values() == made.values() && again.joints() == made.joints(), "{:?}", lossy(bytes));
+    assert!(again.frame_time_secs() == made.frame_time_secs() && again.n_frames() == 1, "{:?}", lossy(bytes));
+    let changed = [(bvh.n_channels() - 1, 2.5)];
+    let rows = [0, 1, 2].map(|row| RowEdit { source_row: 0, changed: if row == 1 { &changed[..] } else { &[] } });
+    let written = made.write_rows(&rows, DIGITS);
+    let again = Bvh::parse(&written[..], "written").unwrap_or_else(|e| panic!("{e}\n{:?}", lossy(&written)));
+    assert!(again.n_frames() == 3 && again.values().iter().sum::<f64>() == 2.5, "{:?}", lossy(&written));
 }
 
 fn lossy(bytes: &[u8]) -> String {

@@ -44,6 +44,7 @@ fn as_asked() -> ClipOptions {
         up: Some(UpAxis::Y),
         root_offset: Some(OffsetMeaning::Replace),
         joint_offsets: Some(OffsetMeaning::Replace),
+        length: None,
         rest_frames: Some(0),
         legs: Vec::new(),
     }
@@ -279,6 +280,7 @@ fn check_moved(bvh: &Bvh, clip: &Clip, n_frames: usize) {
             up: Some(facts.up.value),
             root_offset: Some(facts.root_offset.value),
             joint_offsets: Some(facts.joint_offsets.value),
+            length: None,
             rest_frames: Some(clip.rest_frames()),
             legs: Vec::new(),
         },
@@ -359,13 +361,14 @@ fn only_what_moved_is_written_anew() {
 fn what_a_file_lacks_becomes_a_warning() {
     let six = format!("6 {XYZ} Zrotation Xrotation Yrotation");
     let none = read(&file(&body(UpAxis::Y, &six, 40.0), &[]));
-    assert_eq!((none.n_frames(), none.n_file_frames(), none.facts.path_editable), (1, 1, false));
-    assert!(none.warnings[0].contains("no frames"));
+    assert_eq!((none.n_frames(), none.n_file_frames(), none.facts.path_editable), (120, 120, true));
+    assert!(none.warnings[0].contains("no frames; its rest pose stands for 120"), "{}", none.warnings[0]);
     assert_near(&points(&none, 0)[..2], &[[0.0, 40.0, 0.0], [0.0, 39.0, 0.0]]);
 
     let row: &[f64] = &[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let hierarchy = arm(&six, "3 Zrotation Yrotation Xrotation");
-    let one = Clip::from_bvh(&file(&hierarchy, &[row]), &ClipOptions { rest_frames: Some(5), ..as_asked() });
+    let one =
+        Clip::from_bvh(&file(&hierarchy, &[row]), &ClipOptions { rest_frames: Some(5), length: Some(1), ..as_asked() });
     assert_eq!((one.n_frames(), one.rest_frames()), (1, 0));
     assert!(one.warnings.iter().any(|w| w.contains("5 rest frames")), "{:?}", one.warnings);
 
@@ -374,7 +377,7 @@ fn what_a_file_lacks_becomes_a_warning() {
     assert!(turning.warnings.iter().any(|w| w.contains("cannot be edited")), "{:?}", turning.warnings);
 
     let still = read(&file("ROOT Root { OFFSET 0 0 0\n CHANNELS 0 }", &[]));
-    assert_eq!((still.facts.height.value, still.facts.floor), (1.0, 0.0));
+    assert_eq!((still.facts.height.value, still.facts.floor, still.facts.path_editable), (1.0, 0.0, false));
     assert_eq!(points(&still, 0), [DVec3::ZERO]);
 
     let text = String::from_utf8(file(&hierarchy, &[row]).text().to_vec()).expect("it is text");

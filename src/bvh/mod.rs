@@ -8,6 +8,7 @@ mod error;
 mod hierarchy;
 mod number;
 mod parse;
+mod row_of_zeros;
 mod rows;
 mod write;
 
@@ -122,6 +123,11 @@ impl Bvh {
     /// Returns the number after `Frames:`; none when the file has no such count.
     pub fn declared_frames(&self) -> Option<u64> {
         self.declared_frames
+    }
+
+    /// Tells whether the file has a MOTION section.
+    pub fn has_motion(&self) -> bool {
+        !self.frame_count_span.is_empty()
     }
 
     /// Returns the seconds from one frame to the next, as written: not always positive, and 0 without MOTION.

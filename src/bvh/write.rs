@@ -162,7 +162,7 @@ impl Bvh {
     }
 
     /// The line end that the file uses first.
-    fn line_end_mark(&self) -> &[u8] {
+    pub(super) fn line_end_mark(&self) -> &[u8] {
         let start = Cursor { text: &self.text, at: 0 }.line_end();
         match self.text[start..] {
             [b'\r', b'\n', ..] => b"\r\n",
@@ -195,7 +195,7 @@ impl Words<'_> {
     }
 }
 
-fn ends_line(tail: &[u8]) -> bool {
+pub(super) fn ends_line(tail: &[u8]) -> bool {
     matches!(tail.last(), Some(b'\n' | b'\r'))
 }
 

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Failure, args::Clip};
 use crate::{
     document::{Document, Solved},
-    motion::{Leg, legs::point_name},
+    motion::{Leg, Length, legs::point_name},
 };
 
 pub(super) fn run(clip: &Clip, as_json: bool) -> Result<(), Failure> {
@@ -81,9 +81,13 @@ fn text(solved: &Solved) -> String {
         let because = if why.is_empty() { String::new() } else { format!("  ({why})") };
         writeln!(out, "{name:<14} {value}{because}").expect("writing to a String");
     };
-    let secs = bvh.n_frames() as f64 * clip.frame_time_secs;
+    let secs = clip.n_file_frames() as f64 * clip.frame_time_secs;
+    let stands = match clip.length {
+        Length::Own => String::new(),
+        _ => format!("{} in the file, standing still for clip.length", bvh.n_frames()),
+    };
     line("file", solved.source.name.clone(), "");
-    line("frames", format!("{} at {:.6} s, {secs:.2} s in all", bvh.n_frames(), clip.frame_time_secs), "");
+    line("frames", format!("{} at {:.6} s, {secs:.2} s in all", clip.n_file_frames(), clip.frame_time_secs), &stands);
     line("joints", format!("{}, {} channels", clip.skeleton.n_joints(), bvh.n_channels()), "");
     line("carrier", clip.skeleton.joint(facts.carrier.value).name.clone(), &facts.carrier.why);
     line("up", lower(facts.up.value), &facts.up.why);

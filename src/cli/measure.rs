@@ -40,7 +40,7 @@ fn report(clip: &Clip, document: &Document) -> serde_json::Value {
         .collect();
     json!({
         "file": shown_file(clip, document),
-        "frames": { "source": solved.clip.n_file_frames(), "edited": solved.n_exported_frames() },
+        "frames": { "source": solved.source.bvh.n_frames(), "edited": solved.n_exported_frames() },
         "frame_time": solved.clip.frame_time_secs,
         "height": { "source": measures.height.source, "edited": measures.height.edited },
         "unit": solved.clip.facts.unit.value,
@@ -79,7 +79,7 @@ fn text(solved: &Solved) -> String {
     };
     let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.6}"));
     let pair = |source: f64, edited: f64| format!("{source:.4} → {edited:.4}");
-    line("frames", format!("{} → {}", solved.clip.n_file_frames(), solved.n_exported_frames()), "source → edited");
+    line("frames", format!("{} → {}", solved.source.bvh.n_frames(), solved.n_exported_frames()), "source → edited");
     line("height", pair(measures.height.source, measures.height.edited), "clip unit");
     line("path length", pair(measures.path_length.source, measures.path_length.edited), "clip unit");
     line("original degree", solved.original.degree().to_string(), "");

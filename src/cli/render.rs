@@ -16,7 +16,7 @@ use crate::{
 pub(super) fn run(clip: &Clip, output: &Output, picture: &Picture) -> Result<(), Failure> {
     super::check_free(&output.output, output.force)?;
     let document = super::open_loudly(clip)?;
-    let n_frames = document.solved().n_exported_frames();
+    let n_frames = document.solved().n_shown_frames();
     let frame = picture.frame.unwrap_or(document.solved().clip.rest_frames());
     if frame >= n_frames {
         return Err(Failure::Usage(format!("--frame takes 0 to {} here, found {frame}", n_frames - 1)));

@@ -10,7 +10,7 @@ use crate::{
     constrain::{self, Missed},
     math::Rigid,
     measure::{Body, FootNumbers, Measures},
-    motion::{Clip, EditedClip, to_bvh},
+    motion::{Clip, EditedClip, n_written_frames, to_bvh},
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
 
@@ -183,9 +183,15 @@ impl Solved {
         self.timing.arc_lengths[self.timing.n_frames() - 1]
     }
 
-    /// Returns the number of frames an export has: rest frames, then edited frames; 0 for a file without frames.
+    /// Returns the number of frames that can be shown: rest frames, then edited frames; at least 1.
+    pub fn n_shown_frames(&self) -> usize {
+        self.clip.rest_frames() + self.edited.n_frames()
+    }
+
+    /// Returns the number of frames an export has: those that can be shown, but for a stationary clip whose length nobody
+    /// chose: while it stands still it is exported as one frame, and as the file it is while nothing was done to it.
     pub fn n_exported_frames(&self) -> usize {
-        if self.source.bvh.n_frames() == 0 { 0 } else { self.clip.rest_frames() + self.edited.n_frames() }
+        n_written_frames(&self.source.bvh, &self.edited)
     }
 
     /// Says of every plant that could not be reached which it is and by how much, one line each. Frames are those of an

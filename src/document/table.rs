@@ -13,7 +13,7 @@ use super::{
 use crate::{
     constrain::Ground,
     displace::InterpolationKeys,
-    motion::{OffsetMeaning, UpAxis},
+    motion::{MAX_LENGTH, OffsetMeaning, UpAxis},
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
 
@@ -166,7 +166,7 @@ macro_rules! camera_rows {
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
 
-const EDITS: [Parameter; 36] = [
+const EDITS: [Parameter; 37] = [
     Parameter {
         name: "clip.carrier",
         kind: Kind::Joint,
@@ -198,6 +198,14 @@ const EDITS: [Parameter; 36] = [
         doc: "What the other joints' position channels do to their OFFSET.",
         get: |e| word_of(OFFSETS, &e.clip.joint_offsets),
         set: |e, v| e.clip.joint_offsets = choice_of(OFFSETS, v),
+    },
+    Parameter {
+        name: "clip.length",
+        kind: Kind::Count { min: 1, max: MAX_LENGTH as i64, step: 1, auto: true },
+        unit: "frames",
+        doc: "How long a file with one frame or none stands still, for keys to make a motion of; auto is 120 frames.",
+        get: |e| frame(e.clip.length),
+        set: |e, v| e.clip.length = count(v),
     },
     Parameter {
         name: "clip.rest_frames",

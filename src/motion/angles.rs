@@ -62,7 +62,7 @@ pub(super) struct Angles {
     /// By joint: order and columns; none without one channel about each axis.
     joints: Vec<Option<(RotationOrder, [usize; 3])>>,
     n_channels: usize,
-    /// Frames × channels, shared with the file; empty for a file without frames.
+    /// Rows × channels, shared with the file; one row: of every frame.
     values: Arc<Vec<f64>>,
     /// The frames are no longer the file's, so angles have to be read from poses.
     rearranged: bool,
@@ -95,16 +95,14 @@ impl Angles {
         self.joints[joint].map(|(order, _)| order)
     }
 
-    /// Returns a joint's angles over the frames, continuous; zeros for a file without frames.
+    /// Returns a joint's angles over the frames, continuous.
     pub(super) fn degrees(&self, joint: usize, frames: Range<usize>) -> Vec<[f64; 3]> {
         let (_, columns) = self.joints[joint].expect("the joint turns freely");
-        if self.values.is_empty() {
-            return vec![[0.0; 3]; frames.len()];
-        }
+        let last_row = self.values.len() / self.n_channels - 1;
         let mut before: Option<[f64; 3]> = None;
         frames
             .map(|frame| {
-                let row = &self.values[frame * self.n_channels..][..self.n_channels];
+                let row = &self.values[frame.min(last_row) * self.n_channels..][..self.n_channels];
                 let stored = columns.map(|column| row[column]);
                 let continued = before.map_or(stored, |before| continued(stored, before));
                 before = Some(continued);

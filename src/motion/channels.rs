@@ -78,20 +78,30 @@ impl JointChannels {
 pub(super) struct FileMotion {
     pub(super) skeleton: Skeleton,
     pub(super) channels: Vec<JointChannels>,
+    /// At least 1; more than there are rows when the one row stands for all frames.
     pub(super) n_frames: usize,
     pub(super) n_channels: usize,
-    /// Frames × channels; the file's own where all of them are numbers.
+    /// Rows × channels; the file's own where all of them are numbers. One row: of every frame.
     pub(super) values: Arc<Vec<f64>>,
 }
 
 impl FileMotion {
-    /// Reads the file's numbers; those that are none are replaced, with a warning.
-    pub(super) fn new(bvh: &Bvh, warnings: &mut Vec<String>) -> Self {
+    /// Reads the file's numbers; those that are none are replaced, with a warning. A file without rows gets one of zeros.
+    ///
+    /// `n_frames` is the number of rows, or any where there is one row or none.
+    pub(super) fn new(bvh: &Bvh, n_frames: usize, warnings: &mut Vec<String>) -> Self {
         let channels: Vec<JointChannels> =
             bvh.joints().iter().map(|j| JointChannels::new(&j.channels, j.first_channel)).collect();
         let skeleton = skeleton(bvh, warnings);
-        let values = finite(bvh.shared_values(), bvh.n_channels(), &channels, warnings);
-        Self { skeleton, channels, n_frames: bvh.n_frames(), n_channels: bvh.n_channels(), values }
+        let read = if bvh.n_frames() == 0 { Arc::new(vec![0.0; bvh.n_channels()]) } else { bvh.shared_values() };
+        let values = finite(read, bvh.n_channels(), &channels, warnings);
+        Self { skeleton, channels, n_frames, n_channels: bvh.n_channels(), values }
+    }
+
+    /// Returns the channel values of a frame.
+    fn row(&self, frame: usize) -> &[f64] {
+        let is_only_row = self.values.len() == self.n_channels;
+        &self.values[if is_only_row { 0 } else { frame * self.n_channels }..][..self.n_channels]
     }
 
     /// Returns a joint's channel values over the frames, one column.
@@ -101,26 +111,15 @@ impl FileMotion {
 
     /// Returns the position channels' values of a joint at a frame; 0 on an axis without channel.
     pub(super) fn position(&self, frame: usize, joint: usize) -> DVec3 {
-        let row = &self.values[frame * self.n_channels..][..self.n_channels];
+        let row = self.row(frame);
         let positions = self.channels[joint].positions;
         DVec3::from_array(std::array::from_fn(|axis| positions[axis].map_or(0.0, |column| row[column])))
     }
 
-    /// Computes the local transforms of all frames; a file without frames gives one, in rest pose.
+    /// Computes the local transforms of all frames.
     pub(super) fn poses(&self, root: OffsetMeaning, joints: OffsetMeaning) -> Poses {
         let n_joints = self.skeleton.n_joints();
         let offsets: Vec<DVec3> = self.skeleton.joints().iter().map(|j| j.offset).collect();
-        if self.n_frames == 0 {
-            return Poses {
-                n_joints,
-                n_frames: 1,
-                rotations: vec![DQuat::IDENTITY; n_joints],
-                columns: vec![None; n_joints],
-                fixed: offsets,
-                n_columns: 0,
-                translations: Vec::new(),
-            };
-        }
         let moving: Vec<usize> = (0..n_joints).filter(|&j| self.channels[j].has_position()).collect();
         let mut columns = vec![None; n_joints];
         for (column, &joint) in moving.iter().enumerate() {
@@ -158,10 +157,7 @@ impl FileMotion {
         out.clear();
         out.reserve(self.n_frames * n_joints);
         for group in (0..self.n_frames).step_by(LANES) {
-            let rows: [&[f64]; LANES] = std::array::from_fn(|lane| {
-                let frame = (group + lane).min(self.n_frames - 1);
-                &self.values[frame * self.n_channels..][..self.n_channels]
-            });
+            let rows: [&[f64]; LANES] = std::array::from_fn(|lane| self.row((group + lane).min(self.n_frames - 1)));
             let n_lanes = LANES.min(self.n_frames - group);
             out.resize(out.len() + n_lanes * n_joints, DQuat::IDENTITY);
             let written = &mut out[group * n_joints..];
@@ -179,7 +175,7 @@ impl FileMotion {
 ///
 /// This is the costly half of reading a clip; [`super::Clip::from_bvh`] does it and all the rest.
 pub fn local_rotations(bvh: &Bvh, out: &mut Vec<DQuat>) {
-    FileMotion::new(bvh, &mut Vec::new()).rotations(out);
+    FileMotion::new(bvh, bvh.n_frames(), &mut Vec::new()).rotations(out);
 }
 
 /// Multiplies a joint's rotation channels in file order, four frames at once.

@@ -12,6 +12,7 @@ use super::{
     facts::Facts,
     kinematics::{self, Walk},
     poses::Poses,
+    still::Length,
     tracks::PointTracks,
 };
 use crate::{
@@ -28,6 +29,8 @@ pub struct Clip {
     pub frame_time_secs: f64,
     /// What was found out.
     pub facts: Facts,
+    /// Where the number of frames comes from.
+    pub length: Length,
     /// What deserves the user's eye, one line each.
     pub warnings: Vec<String>,
     /// Rest frames included. Invariant: more frames than `facts.rest_frames`.
@@ -43,6 +46,7 @@ impl Clip {
             skeleton: clip.skeleton.clone(),
             frame_time_secs: clip.frame_time_secs,
             facts: clip.facts.clone(),
+            length: clip.length,
             warnings: clip.warnings.clone(),
             poses: edited.poses(),
             angles: clip.angles.of_other_frames(),
@@ -59,7 +63,8 @@ impl Clip {
         self.facts.rest_frames.value
     }
 
-    /// Returns the number of frames with the rest frames; at least 1, also for a file that has none.
+    /// Returns the number of frames with the rest frames; at least 1. For a file without motion of its own they are as
+    /// many as [`Length`] says, else the file's.
     pub fn n_file_frames(&self) -> usize {
         self.poses.n_frames
     }

@@ -1,18 +1,18 @@
 //! BVH → clip: the file's numbers, what they mean, and the one turn into y-up world space.
 
-use super::{Clip, ClipOptions, UpAxis, angles::Angles, channels::FileMotion, facts};
+use super::{Clip, ClipOptions, Length, UpAxis, angles::Angles, channels::FileMotion, facts};
 use crate::{
     bvh::Bvh,
     skeleton::{Joint, Skeleton},
 };
 
 /// Stands in for a frame time that is none.
-const DEFAULT_FRAME_TIME_SECS: f64 = 1.0 / 30.0;
+pub(super) const DEFAULT_FRAME_TIME_SECS: f64 = 1.0 / 30.0;
 
 impl Clip {
     /// Reads a file as a clip; what cannot be taken as it is becomes a warning.
     ///
-    /// A file without frames gives one frame in rest pose. Values that are no numbers repeat the frame before; a frame
+    /// A file with one frame or none gives a stationary clip (see [`super::Length`]). Values that are no numbers repeat the frame before; a frame
     /// time that is not positive becomes 1/30 s; options that cannot be met are ignored.
     ///
     /// # Panics
@@ -20,11 +20,11 @@ impl Clip {
     /// When the file has no joint, which the parser refuses.
     pub fn from_bvh(bvh: &Bvh, options: &ClipOptions) -> Self {
         let mut warnings = Vec::new();
-        let motion = FileMotion::new(bvh, &mut warnings);
-        if motion.n_frames == 0 {
-            warnings.push("the file has no frames; shown in rest pose".to_owned());
-        }
-        let frame_time_secs = frame_time_secs(bvh.frame_time_secs(), &mut warnings);
+        let (length, n_frames) = Length::decide(bvh.n_frames(), bvh.joints().len(), options, &mut warnings);
+        let motion = FileMotion::new(bvh, n_frames, &mut warnings);
+        // A file that says nothing of time has nothing wrong.
+        let told = if bvh.has_motion() { bvh.frame_time_secs() } else { DEFAULT_FRAME_TIME_SECS };
+        let frame_time_secs = frame_time_secs(told, &mut warnings);
         let (facts, mut poses) = facts::decide(&motion, options, &mut warnings);
         let up = facts.up.value;
         for (idx, joint) in motion.skeleton.joints().iter().enumerate() {
@@ -33,7 +33,7 @@ impl Clip {
             }
         }
         let angles = Angles::new(&motion, up);
-        Self { skeleton: in_world(&motion.skeleton, up), frame_time_secs, facts, warnings, poses, angles }
+        Self { skeleton: in_world(&motion.skeleton, up), frame_time_secs, facts, length, warnings, poses, angles }
     }
 }
 

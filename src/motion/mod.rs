@@ -15,6 +15,7 @@ mod kinematics;
 pub mod legs;
 mod options;
 mod poses;
+mod still;
 mod to_bvh;
 mod tracks;
 
@@ -25,5 +26,6 @@ pub use edited::{EditedClip, TurnedJoint};
 pub use facts::{Decided, Facts};
 pub use legs::{Leg, LegNames, Side, find_legs};
 pub use options::{ClipOptions, OffsetMeaning, UpAxis};
-pub use to_bvh::to_bvh;
+pub use still::{DEFAULT_LENGTH, Length, MAX_LENGTH};
+pub use to_bvh::{n_written_frames, to_bvh};
 pub use tracks::{PointTracks, Track};

@@ -16,6 +16,8 @@ pub struct ClipOptions {
     pub root_offset: Option<OffsetMeaning>,
     /// `clip.joint_offsets`: what the other joints' position channels do to their OFFSET.
     pub joint_offsets: Option<OffsetMeaning>,
+    /// `clip.length`: frames of a file that has no motion of its own, one frame or none; ignored by all others.
+    pub length: Option<usize>,
     /// `clip.rest_frames`: leading frames to leave alone.
     pub rest_frames: Option<usize>,
     /// `clip.legs`: the legs by name; empty: guess. Reading the file does not need them, [`super::find_legs`] does.

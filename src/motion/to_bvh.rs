@@ -4,13 +4,13 @@
 //! Values are written in the meaning they were read in (OFFSET replaced or added to), in the file's axes, in the
 //! joint's own rotation order and on the branch of angles that continues the frame before.
 
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range};
 
 use glam::{DQuat, DVec3};
 
 use super::{
-    Clip, EditedClip, OffsetMeaning, TurnedJoint, UpAxis, carrier_relative, channels::JointChannels,
-    euler::nearest_degrees,
+    Clip, EditedClip, Length, OffsetMeaning, TurnedJoint, UpAxis, carrier_relative, channels::JointChannels,
+    euler::nearest_degrees, from_bvh::DEFAULT_FRAME_TIME_SECS,
 };
 use crate::{
     bvh::{Bvh, Digits, RowEdit},
@@ -23,42 +23,113 @@ const ACCURACY: f64 = 1e-6;
 
 /// Writes an edited clip as BVH: the rest frames as they were, then every edited frame.
 ///
-/// `bvh` is the file the clip was read from. Without an edit the result is the file, byte for byte. A file without
-/// frames comes back as it is.
+/// `bvh` is the file the clip was read from. Without an edit the result is the file, byte for byte.
+///
+/// A stationary clip whose length nobody chose is written as one frame while it still stands still, wherever that is;
+/// without an edit it is the file, too. A chosen length is always written. A file without channels comes back as it is.
 ///
 /// # Panics
 ///
 /// When the clip was not read from `bvh`, or its carrier is moved although its path cannot be edited, or a joint is
 /// turned that has not one rotation channel about each axis.
 pub fn to_bvh(bvh: &Bvh, edited: &EditedClip) -> Vec<u8> {
-    let clip = &*edited.clip;
-    if bvh.n_frames() == 0 {
+    let Some(with_rows) = with_rows(bvh) else { return bvh.text().to_vec() };
+    let written = Written::new(&with_rows, edited);
+    let n_frames = written.n_needed(edited.clip.length, bvh.n_frames());
+    if n_frames == 0 {
         return bvh.text().to_vec();
     }
-    assert_eq!(bvh.n_frames(), clip.n_file_frames(), "the clip was read from this file");
-    let mut changes: Vec<(usize, f64)> = Vec::new();
-    let mut rows: Vec<(usize, Range<usize>)> = (0..clip.rest_frames()).map(|row| (row, 0..0)).collect();
-    let is_edited = !edited.carrier_world.is_empty() || !edited.turned.is_empty();
-    let digits = if is_edited { digits(edited) } else { Digits { position_decimals: 6, rotation_decimals: 6 } };
-    let mut carrier = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip, digits));
-    let mut turned: Vec<_> =
-        edited.turned.iter().map(|t| (RotationWriter::new(bvh, clip, t.joint, digits), &t.rotations)).collect();
-    for frame in 0..edited.n_frames() {
-        let source_row = clip.file_frame(edited.source_frame(frame));
-        let first = changes.len();
-        let source_frame = edited.source_frame(frame);
-        if let Some(writer) = &mut carrier {
-            writer.write(bvh.frame(source_row), source_frame, edited.carrier_local(frame), &mut changes);
-        }
-        for (writer, rotations) in &mut turned {
-            writer.write(bvh.frame(source_row), source_frame, rotations[frame], &mut changes);
-        }
-        changes[first..].sort_unstable_by_key(|&(column, _)| column);
-        rows.push((source_row, first..changes.len()));
+    let rows: Vec<RowEdit> = (0..n_frames)
+        .map(|frame| RowEdit { source_row: written.rows[frame].0, changed: written.changes(frame) })
+        .collect();
+    with_rows.write_rows(&rows, written.digits)
+}
+
+/// Returns the number of frames that [`to_bvh`] writes, rest frames counted. As costly where the clip is stationary.
+///
+/// # Panics
+///
+/// As [`to_bvh`] does.
+pub fn n_written_frames(bvh: &Bvh, edited: &EditedClip) -> usize {
+    let n_frames = edited.clip.rest_frames() + edited.n_frames();
+    if edited.clip.length == Length::Own {
+        return n_frames;
     }
-    let rows: Vec<RowEdit> =
-        rows.into_iter().map(|(source_row, changed)| RowEdit { source_row, changed: &changes[changed] }).collect();
-    bvh.write_rows(&rows, digits)
+    with_rows(bvh).map_or(0, |with_rows| Written::new(&with_rows, edited).n_needed(edited.clip.length, bvh.n_frames()))
+}
+
+/// Returns the file, or the file with a row of zeros where it has no row; none where it cannot have one.
+fn with_rows(bvh: &Bvh) -> Option<Cow<'_, Bvh>> {
+    if bvh.n_frames() > 0 {
+        return Some(Cow::Borrowed(bvh));
+    }
+    bvh.with_row_of_zeros(DEFAULT_FRAME_TIME_SECS).map(Cow::Owned)
+}
+
+/// What is written: rows of the file, each with the values that are new.
+struct Written {
+    /// The file's row, and which of the changes are made to it.
+    rows: Vec<(usize, Range<usize>)>,
+    /// Channels and their new values.
+    changes: Vec<(usize, f64)>,
+    digits: Digits,
+}
+
+impl Written {
+    fn new(bvh: &Bvh, edited: &EditedClip) -> Self {
+        let clip = &*edited.clip;
+        let n_rows = if clip.length == Length::Own { clip.n_file_frames() } else { 1 };
+        assert_eq!(bvh.n_frames(), n_rows, "the clip was read from this file");
+        // The one row of a stationary clip stands for all of its frames.
+        let row_of = |file_frame: usize| file_frame.min(n_rows - 1);
+        let mut changes: Vec<(usize, f64)> = Vec::new();
+        let mut rows: Vec<(usize, Range<usize>)> = (0..clip.rest_frames()).map(|frame| (row_of(frame), 0..0)).collect();
+        let is_edited = !edited.carrier_world.is_empty() || !edited.turned.is_empty();
+        let digits = if is_edited { digits(edited) } else { Digits { position_decimals: 6, rotation_decimals: 6 } };
+        let mut carrier = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip, digits));
+        let mut turned: Vec<_> =
+            edited.turned.iter().map(|t| (RotationWriter::new(bvh, clip, t.joint, digits), &t.rotations)).collect();
+        for frame in 0..edited.n_frames() {
+            let source_frame = edited.source_frame(frame);
+            let source_row = row_of(clip.file_frame(source_frame));
+            let first = changes.len();
+            if let Some(writer) = &mut carrier {
+                writer.write(bvh.frame(source_row), source_frame, edited.carrier_local(frame), &mut changes);
+            }
+            for (writer, rotations) in &mut turned {
+                writer.write(bvh.frame(source_row), source_frame, rotations[frame], &mut changes);
+            }
+            changes[first..].sort_unstable_by_key(|&(column, _)| column);
+            rows.push((source_row, first..changes.len()));
+        }
+        Self { rows, changes, digits }
+    }
+
+    /// Returns the channels of a frame that are new, with their values.
+    fn changes(&self, frame: usize) -> &[(usize, f64)] {
+        &self.changes[self.rows[frame].1.clone()]
+    }
+
+    /// Returns how many of the frames have to be written so that a file of so many says it all.
+    fn n_needed(&self, length: Length, n_file_frames: usize) -> usize {
+        if length != Length::Default {
+            self.rows.len()
+        } else if self.changes.is_empty() {
+            n_file_frames
+        } else if (1..self.rows.len()).all(|frame| self.is_first_again(frame)) {
+            1
+        } else {
+            self.rows.len()
+        }
+    }
+
+    /// Tells whether a frame differs from the first by less than can be written.
+    fn is_first_again(&self, frame: usize) -> bool {
+        let unseen = half_a_digit(self.digits.position_decimals.max(self.digits.rotation_decimals));
+        let (first, again) = (self.changes(0), self.changes(frame));
+        let is_same = |(a, b): (&(usize, f64), &(usize, f64))| a.0 == b.0 && (a.1 - b.1).abs() <= unseen;
+        first.len() == again.len() && first.iter().zip(again).all(is_same)
+    }
 }
 
 /// Turns the carrier's local transforms into its channels, frame after frame.

@@ -37,8 +37,7 @@ impl<T> Decided<T> {
 pub struct Facts {
     /// The joint whose position channels carry the locomotion.
     pub carrier: Decided<JointId>,
-    /// Whether the carrier has three position and three rotation channels and the file has frames; without them the
-    /// path cannot be edited.
+    /// Whether the carrier has three position and three rotation channels; without them the path cannot be edited.
     pub path_editable: bool,
     /// The file's up axis.
     pub up: Decided<UpAxis>,
@@ -147,15 +146,15 @@ impl Reading {
             }
         };
         let mut floor = self.floor;
-        if root_offset.value == OffsetMeaning::Add && motion.n_frames > 0 {
+        if root_offset.value == OffsetMeaning::Add {
             for (joint, added) in offsets::added_to_roots(motion) {
                 self.poses.map_translations(joint, |t| t + added);
             }
             floor += offsets::floor_shift(motion, self.up.value);
         }
         let carrier_channels = &motion.channels[self.carrier.value.idx()];
-        let path_editable = motion.n_frames > 0 && carrier_channels.moves_freely();
-        if !path_editable && motion.n_frames > 0 {
+        let path_editable = carrier_channels.moves_freely();
+        if !path_editable {
             let name = &motion.skeleton.joint(self.carrier.value).name;
             warnings
                 .push(format!("{name} lacks three position and three rotation channels; its path cannot be edited"));

@@ -67,9 +67,6 @@ pub(super) fn added_to_roots<'a>(motion: &'a FileMotion) -> impl Iterator<Item =
 
 /// Returns how much higher the floor lies when the first root's channels add to OFFSET.
 pub(super) fn floor_shift(motion: &FileMotion, up: UpAxis) -> f64 {
-    if motion.n_frames == 0 {
-        return 0.0;
-    }
     added_to_roots(motion).next().map_or(0.0, |(_, added)| added.dot(up.direction()))
 }
 
