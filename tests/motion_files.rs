@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use walkabout::{
     bvh::Bvh,
     math::Rigid,
-    motion::{Clip, ClipOptions, EditedClip, OffsetMeaning, UpAxis, carrier_relative, to_bvh},
+    motion::{Clip, ClipOptions, EditedClip, OffsetMeaning, TurnedJoint, UpAxis, carrier_relative, to_bvh},
 };
 
 const XYZ: &str = "Xposition Yposition Zposition";
@@ -355,6 +355,51 @@ fn only_what_moved_is_written_anew() {
     let written = String::from_utf8(to_bvh(&bvh, &edited)).expect("it is text");
     let source = String::from_utf8(bvh.text().to_vec()).expect("it is text");
     assert_eq!(written.replace("22.1000000", "21.1"), source);
+}
+
+/// A joint that is turned at some frames only keeps its characters at all others, also where the file wraps and changes
+/// from one triple of a pose to the other.
+#[test]
+fn a_turned_joint_keeps_the_characters_of_frames_at_which_it_is_not_turned() {
+    let arm_degrees = |f: usize| match f % 3 {
+        0 => [170.0 + f as f64, 30.0, 15.0],
+        1 => [-189.0 + f as f64, 29.5, 15.5],
+        _ => [-10.0 + f as f64, 150.0, -165.0],
+    };
+    let rows: Vec<Vec<f64>> = (0..30)
+        .map(|f| [&[0.1 + f as f64, 2.0, 3.0, 10.0, 20.0, 30.0][..], &arm_degrees(f), &[0.25]].concat())
+        .collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let bvh = file(&arm(&format!("6 {XYZ} Zrotation Xrotation Yrotation"), "3 Zrotation Yrotation Xrotation"), &rows);
+    let clip = Arc::new(Clip::from_bvh(&bvh, &as_asked()));
+    let joint = clip.skeleton.find("Arm").expect("there is one");
+    let own: Vec<DQuat> = (0..30).map(|f| clip.rotations(f)[joint.idx()]).collect();
+    let line = |text: &[u8], frame: usize| {
+        let (_, motion) = str::from_utf8(text).expect("text").split_once("Frame Time: 0.04\n").expect("a header");
+        motion.lines().nth(frame).expect("the frame").to_owned()
+    };
+
+    let same = vec![TurnedJoint { joint, rotations: own.iter().map(|&q| -q).collect() }];
+    let edited = EditedClip { turned: same, ..EditedClip::unedited(Arc::clone(&clip)) };
+    assert!(to_bvh(&bvh, &edited) == **bvh.text(), "turned to where it is at every frame");
+
+    for turns in [&[4][..], &[0, 1, 2, 17], &[28, 29]] {
+        let mut rotations = own.clone();
+        turns.iter().for_each(|&f| rotations[f] *= DQuat::from_rotation_x(0.2));
+        let turned = vec![TurnedJoint { joint, rotations }];
+        let edited = EditedClip { turned, ..EditedClip::unedited(Arc::clone(&clip)) };
+        let written = to_bvh(&bvh, &edited);
+        for frame in 0..30 {
+            let (source, found) = (line(bvh.text(), frame), line(&written, frame));
+            let pairs = source.split_whitespace().zip(found.split_whitespace());
+            let differ: Vec<usize> = pairs.enumerate().filter(|(_, (a, b))| a != b).map(|(i, _)| i).collect();
+            if turns.contains(&frame) {
+                assert!(differ.contains(&8) && differ.iter().all(|i| (6..9).contains(i)), "{frame}: {differ:?}");
+            } else {
+                assert_eq!(found, source, "frame {frame}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ use std::{path::PathBuf, sync::Arc};
 use glam::{DQuat, DVec3};
 use walkabout::{
     bvh::Bvh,
+    displace::Layer,
     document::{Document, Edits, Opened, Source, parameter, parse_assignment},
     editor::Editor,
     math::Rigid,
@@ -177,6 +178,33 @@ fn document(bvh: &Bvh, set: &[&str]) -> Document {
     }
     let source = Arc::new(Source { name: "still".to_owned(), file: None, bvh: bvh.clone() });
     Document::new(Opened { source, edits, project: None, warnings: Vec::new() })
+}
+
+#[test]
+fn keys_on_a_stationary_clip_make_a_motion() {
+    for (bvh, length) in [(one_frame(), None), (no_frames(), None), (no_motion(), Some(40))] {
+        let n_frames = length.unwrap_or(DEFAULT_LENGTH);
+        let mut edits = Edits::default();
+        edits.clip.length = length;
+        let mut layer = Layer::new("wave");
+        layer.set_rotation("LeftLeg", 0, DQuat::IDENTITY);
+        layer.set_rotation("LeftLeg", n_frames - 1, DQuat::from_rotation_x(1.0));
+        edits.layers = vec![layer];
+        let source = Arc::new(Source { name: "still".to_owned(), file: None, bvh });
+        let document = Document::new(Opened { source, edits, project: None, warnings: Vec::new() });
+        let solved = document.solved();
+        assert_eq!((solved.n_exported_frames(), solved.n_shown_frames()), (n_frames, n_frames));
+        let again = Bvh::parse(solved.to_bvh(), "again").unwrap_or_else(|e| panic!("{e}"));
+        let again = Clip::from_bvh(&again, &ClipOptions::default());
+        let turn = |frame: usize| {
+            let [first, here] = [0, frame].map(|frame| again.rotations(frame)[1]);
+            (first.conjugate() * here).to_axis_angle().1
+        };
+        for frame in 1..n_frames {
+            let wanted = frame as f64 / (n_frames - 1) as f64;
+            assert!((turn(frame) - wanted).abs() < 1e-6, "frame {frame}: {} {wanted}", turn(frame));
+        }
+    }
 }
 
 /// Every file in every mode that could trip over a clip that goes nowhere.
