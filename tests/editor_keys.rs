@@ -913,3 +913,116 @@ fn a_key_ends_a_drag() {
     e.release();
     assert_eq!((e.document().depth(), joints(&e).as_str()), ((0, 1), "Hips: Hips"));
 }
+
+#[test]
+fn the_up_direction_goes_round_and_the_camera_still_orbits() {
+    let mut e = editor();
+    let up = |e: &Editor| e.scene().now.views[0].camera.up;
+    let eye = |e: &Editor| e.scene().now.views[0].camera.eye;
+    let seen: Vec<DVec3> = (0..3).map(|_| (e.keys("au"), up(&e)).1).collect();
+    assert_eq!(seen, [DVec3::Z, DVec3::X, DVec3::Y]);
+    // From the front z is along the line of sight, from above y is.
+    e.keys("2");
+    let seen: Vec<DVec3> = (0..2).map(|_| (e.keys("au"), up(&e)).1).collect();
+    assert_eq!(seen, [DVec3::X, DVec3::Y]);
+    e.keys("4");
+    let seen: Vec<DVec3> = (0..2).map(|_| (e.keys("au"), up(&e)).1).collect();
+    assert_eq!(seen, [DVec3::X, DVec3::Z]);
+    for keys in ["1au", "1auau", "4auK", "2au"] {
+        let mut e = editor();
+        e.keys(keys);
+        let (up, before) = (up(&e), eye(&e));
+        e.keys(&"L".repeat(9));
+        let target = e.scene().now.views[0].camera.target;
+        let turned = (before - target).reject_from(up).angle_between((eye(&e) - target).reject_from(up));
+        assert!((turned - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "{keys}: a quarter round up, not {turned}");
+        e.keys(&"L".repeat(27));
+        assert!(eye(&e).distance(before) < 1e-9 * before.length(), "{keys}");
+        e.keys(&"K".repeat(40));
+        assert_eq!((self::up(&e), check_scene(&e.scene())), (up, Ok(())), "{keys}");
+        assert!((eye(&e) - target).angle_between(up) < 0.03, "{keys}: over the pole it stops");
+    }
+}
+
+fn up(editor: &Editor) -> DVec3 {
+    editor.scene().now.views[0].camera.up
+}
+
+#[test]
+fn in_slow_motion_no_frame_is_skipped_and_between_keys_it_is_slower() {
+    let mut e = editor();
+    let frame_secs = e.document().solved().clip.frame_time_secs;
+    let played = |e: &mut Editor, n: usize, secs: f64| -> Vec<usize> {
+        (0..n).map(|_| (e.advance(secs), e.view().frame_idx).1).collect()
+    };
+    e.keys("T<space>");
+    assert!(e.scene().now.caption.contains("slow"));
+    assert_eq!(played(&mut e, 4, 5.0 * frame_secs), [1, 2, 3, 4]);
+    e.keys("T<home>");
+    assert_eq!(played(&mut e, 2, 5.0 * frame_secs), [5, 10]);
+    e.keys(":interpolation_keys=[2, 4]<enter><home>T");
+    assert!(e.view().message.as_ref().is_some_and(|m| m.text.contains("interpolation keys")));
+    let frames = played(&mut e, 23, 1.000001 * frame_secs);
+    let seen = |frame: usize| frames.iter().filter(|&&f| f == frame).count();
+    assert_eq!([1, 2, 3, 4].map(seen), [1, 10, 10, 1]);
+}
+
+#[test]
+fn bones_trails_and_the_normal_skeleton_are_shown_when_asked() {
+    let mut e = editor();
+    let plain = e.scene();
+    assert!(plain.now.actors[2].is_empty() && plain.still.bodies.iter().all(|body| !body.wireframe));
+    e.keys("vw");
+    assert!(e.scene().still.bodies.iter().all(|body| body.wireframe));
+    assert_ne!(e.scene().still.revision, plain.still.revision, "a preview is told");
+    e.keys("vwvr.........");
+    let scene = e.scene();
+    let trails: Vec<_> = scene.still.curves.iter().filter(|c| c.role == Role::Trace).collect();
+    let marks: Vec<_> = scene.now.marks.iter().filter(|m| m.role == Role::Trace).collect();
+    assert_eq!((trails.len(), marks.len()), (5, 5), "hands, feet and head");
+    for (trail, mark) in trails.iter().zip(&marks) {
+        assert_eq!(trail.points[9], mark.at, "the mark is at the playhead");
+    }
+    e.keys("vz");
+    let scene = e.scene();
+    let solved = e.document().solved();
+    let carrier = solved.clip.facts.carrier.value.idx();
+    let normal = &scene.now.actors[2];
+    assert!(normal[carrier].distance(scene.now.actors[1][carrier]) < 1e-9);
+    for id in solved.clip.skeleton.ids() {
+        let joint = solved.clip.skeleton.joint(id);
+        if let Some(parent) = joint.parent {
+            let bone = normal[id.idx()] - normal[parent.idx()];
+            assert!(bone.distance(joint.offset) < 1e-9, "{} hangs as its OFFSET says", joint.name);
+        }
+    }
+    assert!(scene.now.labels.iter().any(|label| label.text == "normal"));
+    assert_eq!(check_scene(&scene), Ok(()));
+}
+
+#[test]
+fn the_view_is_reset_in_one_step_that_can_be_undone() {
+    let mut e = editor();
+    let camera = |e: &Editor| e.scene().now.views[0].camera;
+    let came = camera(&e);
+    e.keys("aR");
+    assert_eq!(e.document().depth(), (0, 0), "there is nothing to reset");
+    e.keys("sc<gt>vgHHHnn2f<tab>jj.....T");
+    let (moved, depth) = (e.document().edits().view.clone(), e.document().depth());
+    e.keys("aR");
+    assert_eq!(
+        state(&e),
+        format!("path | path.edited on | point 1 | frame 0 | camera 1 | undo {} redo 0", depth.0 + 1)
+    );
+    assert!(!e.view().slow_motion && e.document().edits().view.show.ground);
+    assert_eq!((e.document().edits().timing.speed, e.document().edits().path.points > 8), (1.0, true));
+    e.keys("rvlvl");
+    e.keys("u");
+    let framed = camera(&e);
+    assert_ne!(framed, came, "the circle is framed");
+    e.keys("u");
+    assert_eq!((&e.document().edits().view, e.document().depth().0), (&moved, depth.0));
+    assert!(e.document().edits().timing.speed > 1.0);
+    e.keys("U");
+    assert_eq!(camera(&e), framed);
+}

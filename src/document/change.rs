@@ -10,7 +10,8 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{
-    Edits, KeyChange, LayerChange, LayerRefusal, PlantRefusal, PoseChange, Solved, Source, layers,
+    Edits, KeyChange, LayerChange, LayerRefusal, PlantRefusal, PoseChange, Solved, Source, TimingEdits, ViewEdits,
+    layers,
     parameter::{MAX_POINTS, SetError},
     plants, posing, solve,
     table::parameter,
@@ -51,6 +52,8 @@ pub enum Change {
     },
     /// Back to the straight line.
     Straighten,
+    /// What is drawn, the cameras and the speed as they came.
+    ResetView,
     /// Something is done to a foot's plants.
     Plant {
         /// Side of the foot.
@@ -147,6 +150,10 @@ pub(super) fn next(solved: &Solved, change: &Change) -> Result<(Edits, Vec<Strin
             give(&mut edits, points);
         }
         Change::Straighten => edits.path.control_points = None,
+        Change::ResetView => {
+            edits.view = ViewEdits::default();
+            edits.timing.speed = TimingEdits::default().speed;
+        }
         Change::Plant { foot, change } => plants::change(solved, &mut edits, *foot, *change)?,
         Change::PlantsAsFound { foot, plant } => plants::as_found(solved, &mut edits, *foot, *plant)?,
         Change::Layer(change) => layers::change(&mut edits, change)?,

@@ -217,6 +217,10 @@ pub struct Show {
     pub footprints: bool,
     /// Trails of the new actor's end effectors.
     pub traces: bool,
+    /// Bones are drawn as their edges.
+    pub wireframe: bool,
+    /// The actor with all rotations zero.
+    pub normal_skeleton: bool,
     /// Names in the picture.
     pub labels: bool,
 }
@@ -234,6 +238,8 @@ impl Default for Show {
             ground: true,
             footprints: true,
             traces: false,
+            wireframe: false,
+            normal_skeleton: false,
             labels: true,
         }
     }

@@ -1,7 +1,7 @@
 //! Undo without limit: whole [`Edits`] values, shared by `Arc`; undo and redo choose another one.
 //!
 //! There are no inverse operations to get wrong. Steps of one held key join into one; what is drawn and from where
-//! is not history, so it stays as it is when another revision is chosen. A new edit after undo forgets what was
+//! is not history, so it stays as it is when another revision is chosen, unless the step between them was to reset it. A new edit after undo forgets what was
 //! undone. Revisions are never dropped; one costs a few hundred bytes.
 
 use std::sync::Arc;
@@ -12,20 +12,27 @@ use super::Edits;
 #[derive(Clone, Debug)]
 pub struct History {
     /// Invariant: never empty.
-    revisions: Vec<Arc<Edits>>,
+    revisions: Vec<Revision>,
     /// Index into `revisions`.
     at: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Revision {
+    edits: Arc<Edits>,
+    /// The step that made it is one of what is drawn and from where, too.
+    of_view: bool,
 }
 
 impl History {
     /// Begins with these edits.
     pub fn new(edits: Edits) -> Self {
-        Self { revisions: vec![Arc::new(edits)], at: 0 }
+        Self { revisions: vec![Revision { edits: Arc::new(edits), of_view: false }], at: 0 }
     }
 
     /// Returns the edits in use.
     pub fn edits(&self) -> &Arc<Edits> {
-        &self.revisions[self.at]
+        &self.revisions[self.at].edits
     }
 
     /// Takes new edits into use. With `joins` they replace the present revision in place of following it.
@@ -38,16 +45,28 @@ impl History {
         let unrecorded = edits == Edits { view: edits.view.clone(), ..(**self.edits()).clone() };
         let edits = Arc::new(edits);
         if unrecorded {
-            self.revisions[self.at] = edits;
+            self.revisions[self.at].edits = edits;
             return;
         }
         self.revisions.truncate(self.at + 1);
         if joins && self.at > 0 {
-            self.revisions[self.at] = edits;
+            self.revisions[self.at].edits = edits;
         } else {
-            self.revisions.push(edits);
-            self.at += 1;
+            self.follow_by(Revision { edits, of_view: false });
         }
+    }
+
+    /// Takes new edits into use in a step that can be undone although it may change only what is drawn.
+    pub fn push_view(&mut self, edits: Edits) {
+        if edits != **self.edits() {
+            self.follow_by(Revision { edits: Arc::new(edits), of_view: true });
+        }
+    }
+
+    fn follow_by(&mut self, revision: Revision) {
+        self.revisions.truncate(self.at + 1);
+        self.revisions.push(revision);
+        self.at += 1;
     }
 
     /// Goes back one revision; false at the first.
@@ -67,9 +86,10 @@ impl History {
 
     fn choose(&mut self, at: usize) -> bool {
         let view = self.edits().view.clone();
+        let of_view = self.revisions[self.at.max(at)].of_view;
         self.at = at;
-        if self.edits().view != view {
-            self.revisions[at] = Arc::new(Edits { view, ..(**self.edits()).clone() });
+        if !of_view && self.edits().view != view {
+            self.revisions[at].edits = Arc::new(Edits { view, ..(**self.edits()).clone() });
         }
         true
     }
@@ -130,5 +150,23 @@ mod tests {
         assert_eq!(history.depth(), (1, 0));
         history.undo();
         assert!(!history.edits().view.show.ground);
+    }
+
+    #[test]
+    fn a_step_of_what_is_drawn_is_undone_with_what_was_drawn_before_it() {
+        let mut hidden = with_nudge(1.0);
+        hidden.view.show.ground = false;
+        let mut history = History::new(hidden.clone());
+        history.push(Edits { view: hidden.view.clone(), ..with_nudge(2.0) }, false);
+        history.push_view(with_nudge(2.0));
+        assert_eq!((history.edits().view.show.ground, history.depth()), (true, (2, 0)));
+        history.push_view(with_nudge(2.0));
+        assert_eq!(history.depth(), (2, 0), "equal edits change nothing");
+        assert!(history.undo());
+        assert!(!history.edits().view.show.ground);
+        assert!(history.redo());
+        assert!(history.edits().view.show.ground);
+        assert!(history.undo() && history.undo());
+        assert!(!history.edits().view.show.ground, "other steps leave it alone");
     }
 }

@@ -112,7 +112,10 @@ impl Document {
     /// When the change cannot be made; then nothing has changed.
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
         let (edits, warnings) = change::next(from, change)?;
-        self.history.push(edits, joins);
+        match change {
+            Change::ResetView => self.history.push_view(edits),
+            _ => self.history.push(edits, joins),
+        }
         self.resolve();
         Ok(warnings)
     }

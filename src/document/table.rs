@@ -487,7 +487,7 @@ const EDITS: [Parameter; 37] = [
     },
 ];
 
-const SHOW: [Parameter; 11] = [
+const SHOW: [Parameter; 13] = [
     show_row!(original_skeleton, "Draw the actor as captured."),
     show_row!(new_skeleton, "Draw the actor on the new path."),
     show_row!(original_path, "Draw the path fitted to the clip."),
@@ -497,7 +497,9 @@ const SHOW: [Parameter; 11] = [
     show_row!(new_tracker, "Draw a block that walks the new path."),
     show_row!(ground, "Draw the ground and its grid."),
     show_row!(footprints, "Draw where the feet stand; crossed out where a plant could not be reached."),
-    show_row!(traces, "Draw the trails of hands, feet and head on the new path."),
+    show_row!(traces, "Draw the trails of hands, feet and head on the new path, with a mark where they are."),
+    show_row!(wireframe, "Draw bones as edges in place of solids."),
+    show_row!(normal_skeleton, "Draw the actor with all rotations zero, where the carrier is."),
     show_row!(labels, "Draw names in the picture."),
 ];
 

@@ -16,7 +16,7 @@ const SHORTEST: f64 = 0.002;
 /// Returns the body of a clip's skeleton: a limb from each point to its parent.
 ///
 /// What lies above the carrier does not move with the body and is not drawn.
-pub(super) fn body(clip: &Clip, role: Role) -> Body {
+pub(super) fn body(clip: &Clip, role: Role, wireframe: bool) -> Body {
     let skeleton = &clip.skeleton;
     let height = clip.facts.height.value;
     let carrier = clip.facts.carrier.value;
@@ -32,7 +32,7 @@ pub(super) fn body(clip: &Clip, role: Role) -> Body {
             (length > SHORTEST * height).then_some(Limb { role, from: from as u32, to: to as u32, radius })
         })
         .collect();
-    Body { role, limbs }
+    Body { role, limbs, wireframe }
 }
 
 /// Marks the limbs that these joints turn as theirs.

@@ -8,7 +8,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, joints, layers, loops, map_keys, maps, pose,
+    feet, joints, layers, look, loops, map_keys, maps, pose,
 };
 use crate::{
     contact::PlantMode,
@@ -138,6 +138,14 @@ pub const COMMANDS: &[Command] = &[
         step_value(e, c, "timing.speed", -1, false)
     }),
     row(Group::Play, "speed.up", &["<gt>"], "Play faster.", always, |e, c| step_value(e, c, "timing.speed", 1, false)),
+    row(
+        Group::Play,
+        "slow_motion",
+        &["T"],
+        "Slow motion, every frame; ten times slower between interpolation keys.",
+        has_motion,
+        |e, _| look::slow_motion(e),
+    ),
     row(Group::Panel, "tab.next", &["<tab>"], "Next tab.", always, |e, _| turn_tab(e, 1)),
     row(Group::Panel, "tab.previous", &["<s-tab>"], "Previous tab.", always, |e, _| turn_tab(e, TABS.len() - 1)),
     row(Group::Panel, "row.next", &["j", "<down>"], "Next row.", always, |e, _| move_row(e, 1)),
@@ -427,6 +435,15 @@ pub const COMMANDS: &[Command] = &[
         set_camera(e, c, "follow", Value::Boolean(follow))
     }),
     row(Group::Camera, "target", &["t"], "Look at the carrier.", always, |e, c| move_camera(e, c, Move::Target)),
+    row(Group::Camera, "up", &["au"], "Next up direction of the camera: y, z, x.", always, look::next_up),
+    row(
+        Group::Camera,
+        "view.reset",
+        &["aR"],
+        "All cameras, what is drawn, speed, playhead and tabs as they came.",
+        always,
+        look::reset,
+    ),
     row(Group::Camera, "camera.reset", &["ar"], "The preset as it came.", always, |e, c| {
         let default = CameraEdits::default();
         put_camera(e, c, default)
@@ -458,6 +475,12 @@ pub const COMMANDS: &[Command] = &[
     }),
     row(Group::Show, "show.traces", &["vr"], "The trails of hands, feet and head.", always, |e, c| {
         step_value(e, c, "show.traces", 1, false)
+    }),
+    row(Group::Show, "show.wireframe", &["vw"], "Bones as edges, or solid.", always, |e, c| {
+        step_value(e, c, "show.wireframe", 1, false)
+    }),
+    row(Group::Show, "show.normal_skeleton", &["vz"], "The actor with all rotations zero.", always, |e, c| {
+        step_value(e, c, "show.normal_skeleton", 1, false)
     }),
     row(Group::Show, "show.labels", &["vl"], "The names in the picture.", always, |e, c| {
         step_value(e, c, "show.labels", 1, false)
@@ -691,7 +714,7 @@ fn use_camera(editor: &mut Editor, camera_idx: usize) -> Effect {
     Effect::None
 }
 
-fn set_camera(editor: &mut Editor, command: &'static str, field: &str, value: Value) -> Effect {
+pub(super) fn set_camera(editor: &mut Editor, command: &'static str, field: &str, value: Value) -> Effect {
     let name = format!("camera.{}.{field}", editor.view.camera_idx + 1);
     let text = crate::document::show_value(&value);
     editor.set(command, &name, value);

@@ -17,6 +17,7 @@ use super::{
 use crate::{
     document::{self, Document, ProjectionKind, Show, Solved},
     scene::{Curve, Footprint, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
+    skeleton::Skeleton,
 };
 
 /// Points a drawn curve is sampled at.
@@ -27,6 +28,8 @@ const TRACKER_RADIUS: f64 = 0.06;
 /// Marks of selected joints and of the one that keys move, body heights: thicker than any limb.
 const JOINT_RADIUS: f64 = 0.042;
 const ACTIVE_RADIUS: f64 = 0.05;
+/// Marks on trails, body heights.
+const TRAIL_RADIUS: f64 = 0.03;
 /// Footprints that lie deeper in the ground, in body heights, are hidden by it.
 const SUNK: f64 = 0.06;
 /// Length of a footprint, body heights: about a person's.
@@ -147,12 +150,13 @@ fn still_scene(solved: &Solved, view: &ViewState, revision: u64) -> Still {
     if show.labels {
         labels.extend(strains.into_iter().map(|(at, word)| Label { role: Role::Strain, at, text: word.to_owned() }));
     }
-    let mut new_body = body(&solved.clip, Role::NewSkeleton);
+    let body = |role| body(&solved.clip, role, show.wireframe);
+    let mut new_body = body(Role::NewSkeleton);
     mark_selected(&mut new_body, |id| joints.is_selected(Handle::Joint(id)));
     Still {
         revision,
         body_height: height,
-        bodies: vec![body(&solved.clip, Role::OriginalSkeleton), new_body],
+        bodies: vec![body(Role::OriginalSkeleton), new_body, body(Role::NormalSkeleton)],
         curves,
         footprints: if show.footprints { footprints(solved) } else { Vec::new() },
         marks,
@@ -193,17 +197,25 @@ fn cell(height: f64) -> f64 {
     [5.0, 2.0, 1.0].into_iter().map(|m| m * decade).find(|&c| c <= half).unwrap_or(decade)
 }
 
+/// Points at the ends of limbs: end sites, and joints on which nothing hangs.
+fn end_effectors(skeleton: &Skeleton) -> Vec<usize> {
+    let mut is_end = vec![true; skeleton.n_points()];
+    for parent in (0..skeleton.n_points()).filter_map(|point| skeleton.point_parent(point)) {
+        is_end[parent] = false;
+    }
+    (0..skeleton.n_points()).filter(|&point| is_end[point]).collect()
+}
+
 /// Trails of the end effectors of the new actor through the whole clip.
 fn traces(solved: &Solved) -> Vec<Vec<DVec3>> {
-    let skeleton = &solved.clip.skeleton;
-    let ends = skeleton.n_joints()..skeleton.n_points();
+    let ends = end_effectors(&solved.clip.skeleton);
     let n_frames = solved.edited.n_frames();
     let stride = n_frames.div_ceil(4 * CURVE_POINTS).max(1);
     let mut trails = vec![Vec::new(); ends.len()];
     let mut points = Vec::new();
     for frame_idx in (0..n_frames).step_by(stride) {
         solved.edited.world_points(frame_idx, &mut points);
-        for (trail, end) in trails.iter_mut().zip(ends.clone()) {
+        for (trail, &end) in trails.iter_mut().zip(&ends) {
             trail.push(points[end]);
         }
     }
@@ -218,6 +230,13 @@ fn poses(solved: &Solved, show: Show, frame_idx: usize, original: &mut Vec<DVec3
     if show.new_skeleton {
         solved.edited.world_points(frame_idx, edited);
     }
+}
+
+/// Fills in the points of the actor with all rotations zero, its carrier where the edited clip's is.
+fn normal_skeleton(solved: &Solved, frame_idx: usize, points: &mut Vec<DVec3>) {
+    solved.clip.unturned_points(solved.source_frame(frame_idx), points);
+    let by = solved.carrier(frame_idx).translation - points[solved.clip.facts.carrier.value.idx()];
+    points.iter_mut().for_each(|point| *point += by);
 }
 
 /// Builds the picture of this moment.
@@ -246,9 +265,23 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
         tracker(Role::NewTracker, solved.new_frame(frame_idx).translation);
     }
     marks.extend(joint_marks(solved, view, &edited));
+    if show.traces && view.rest_frame.is_none() {
+        let mut points = Vec::new();
+        solved.edited.world_points(frame_idx, &mut points);
+        let ends = end_effectors(&solved.clip.skeleton).into_iter();
+        marks.extend(ends.map(|end| Mark { role: Role::Trace, at: points[end], radius: TRAIL_RADIUS * height }));
+    }
+    let mut normal = Vec::new();
+    if show.normal_skeleton {
+        normal_skeleton(solved, frame_idx, &mut normal);
+    }
     let mut labels = Vec::new();
     if show.labels {
-        let names = [(Role::OriginalSkeleton, &original, "original"), (Role::NewSkeleton, &edited, "new")];
+        let names = [
+            (Role::OriginalSkeleton, &original, "original"),
+            (Role::NewSkeleton, &edited, "new"),
+            (Role::NormalSkeleton, &normal, "normal"),
+        ];
         for (role, points, text) in names {
             if let Some(top) = points.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y)) {
                 labels.push(Label { role, at: top + DVec3::Y * 0.08 * height, text: text.to_owned() });
@@ -266,7 +299,7 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
     Scene {
         still,
         now: Now {
-            actors: vec![original, edited],
+            actors: vec![original, edited, normal],
             marks,
             labels,
             views: vec![View { camera, title }],
@@ -300,6 +333,10 @@ fn caption(solved: &Solved, view: &ViewState) -> String {
         view.rest_frame.unwrap_or(view.frame_idx + rest),
         solved.edited.n_frames() + rest - 1,
         view.frame_idx as f64 * solved.clip.frame_time_secs,
-        if view.playing { "playing" } else { "paused" },
+        match (view.playing, view.slow_motion) {
+            (true, false) => "playing",
+            (true, true) => "playing slowly",
+            (false, _) => "paused",
+        },
     )
 }

@@ -4,6 +4,7 @@ use super::{
     area::{self, PlanArea},
     joints::Joints,
     panel::{Row, RowKind, TABS},
+    playback::{Pace, Playback},
 };
 use crate::{
     document::{Document, Solved},
@@ -56,6 +57,8 @@ pub struct ViewState {
     pub rest_frame: Option<usize>,
     /// Whether the playhead moves by itself.
     pub playing: bool,
+    /// Whether it then moves in slow motion.
+    pub slow_motion: bool,
     /// Time since the shown frame began, in clip time, seconds.
     carried_secs: f64,
     /// Index into [`TABS`].
@@ -88,6 +91,7 @@ impl ViewState {
             frame_idx: 0,
             rest_frame: None,
             playing: false,
+            slow_motion: false,
             carried_secs: 0.0,
             tab_idx: 0,
             rows: [0; TABS.len()],
@@ -131,13 +135,29 @@ impl ViewState {
         if !self.playing || n_frames < 2 {
             return false;
         }
-        let frame_time = solved.clip.frame_time_secs;
-        self.carried_secs += secs * document.edits().timing.speed;
-        let steps = (self.carried_secs / frame_time).floor();
-        self.carried_secs -= steps * frame_time;
-        // The remainder of a huge pause is what counts; the cast saturates.
-        self.frame_idx = (self.frame_idx + steps as usize % n_frames) % n_frames;
-        steps >= 1.0
+        let playback = Playback {
+            n_frames,
+            frame_secs: solved.clip.frame_time_secs,
+            pace: self.pace(document),
+            source_frame: &|frame| solved.source_frame(frame),
+        };
+        let before = self.frame_idx;
+        let elapsed_secs = self.carried_secs + secs * document.edits().timing.speed;
+        (self.frame_idx, self.carried_secs) = playback.after(before, elapsed_secs);
+        self.frame_idx != before
+    }
+
+    /// How fast the playhead goes.
+    fn pace(&self, document: &Document) -> Pace {
+        if !self.slow_motion {
+            return Pace::Own;
+        }
+        let between = document.edits().interpolation_keys.map(|keys| keys.frames(&document.solved().clip));
+        match between {
+            // From the first key's own frame on.
+            Some(frames) if frames.start > 0 => Pace::SlowBetween(frames.start - 1..frames.end),
+            _ => Pace::EveryFrame,
+        }
     }
 
     /// Shows another frame and stays there.

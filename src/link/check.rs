@@ -244,6 +244,7 @@ mod tests {
                     Limb { role: Role::NewSkeleton, from: 0, to: 1, radius: 0.1 },
                     Limb { role: Role::SelectedJoint, from: 1, to: 2, radius: 0.0 },
                 ],
+                wireframe: false,
             }],
             curves: vec![Curve { role: Role::NewPath, stroke: Stroke::Solid, points: vec![DVec3::ZERO, DVec3::ONE] }],
             footprints: vec![Footprint {

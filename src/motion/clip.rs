@@ -140,6 +140,15 @@ impl Clip {
         kinematics::points(&self.skeleton, &rigids, out);
     }
 
+    /// Fills `out` with the world positions of all points at a frame with every rotation channel 0: the normal skeleton,
+    /// its joints apart as at that frame.
+    pub fn unturned_points(&self, frame: usize, out: &mut Vec<DVec3>) {
+        let mut rigids = Vec::with_capacity(self.skeleton.n_joints());
+        let roots = self.facts.up.value.world_rotation();
+        kinematics::world_rigids_unturned(&self.skeleton, &self.poses, self.file_frame(frame), roots, &mut rigids);
+        kinematics::points(&self.skeleton, &rigids, out);
+    }
+
     /// Returns where the carrier is at a frame, in the world.
     pub fn carrier_world(&self, frame: usize) -> Rigid {
         kinematics::world_of(&self.skeleton, &self.poses, self.file_frame(frame), self.facts.carrier.value)

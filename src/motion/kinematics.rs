@@ -54,6 +54,25 @@ pub(super) fn world_rigids_instead(
     }
 }
 
+/// Fills `out` with the world motions of all joints at one frame with nothing turned but the roots, all of them by
+/// `roots`.
+pub(super) fn world_rigids_unturned(
+    skeleton: &Skeleton,
+    poses: &Poses,
+    frame: usize,
+    roots: DQuat,
+    out: &mut Vec<Rigid>,
+) {
+    out.clear();
+    for (idx, joint) in skeleton.joints().iter().enumerate() {
+        let translation = poses.translation(frame, idx);
+        out.push(match joint.parent {
+            Some(parent) => out[parent.idx()] * Rigid::new(DQuat::IDENTITY, translation),
+            None => Rigid::new(roots, translation),
+        });
+    }
+}
+
 /// Fills `out` with all points, joints then end sites, from the joints' world motions.
 pub(super) fn points(skeleton: &Skeleton, rigids: &[Rigid], out: &mut Vec<DVec3>) {
     out.clear();

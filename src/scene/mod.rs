@@ -20,6 +20,8 @@ pub enum Role {
     OriginalSkeleton,
     /// The actor on the new path.
     NewSkeleton,
+    /// The actor with all rotations zero.
+    NormalSkeleton,
     /// The path fitted to the clip.
     OriginalPath,
     /// The path the user draws.
@@ -34,7 +36,7 @@ pub enum Role {
     OriginalTracker,
     /// The block that walks the new path.
     NewTracker,
-    /// A trail left by a point of the skeleton.
+    /// A trail left by a point of the skeleton, and where on it the point is.
     Trace,
     /// A footprint.
     Footprint,
@@ -54,6 +56,7 @@ impl Role {
         match self {
             Self::OriginalSkeleton => [214, 69, 65],
             Self::NewSkeleton => [72, 187, 98],
+            Self::NormalSkeleton => [90, 200, 205],
             Self::OriginalPath | Self::NewPath => [240, 240, 240],
             Self::Strain | Self::MissedFootprint => [240, 150, 50],
             Self::ControlPoint => [155, 89, 214],
@@ -146,6 +149,8 @@ pub struct Body {
     pub role: Role,
     /// Limbs to draw.
     pub limbs: Vec<Limb>,
+    /// They are drawn as edges, not as solids.
+    pub wireframe: bool,
 }
 
 /// The ground plane with its grid.
@@ -224,7 +229,7 @@ pub struct View {
 pub struct Now {
     /// World positions of each body's points, in the order of [`Still::bodies`]; a body with no points is not drawn.
     pub actors: Vec<Vec<DVec3>>,
-    /// Marks that move in time: trackers.
+    /// Marks that move in time: trackers, joints, ends of trails.
     pub marks: Vec<Mark>,
     /// Texts that move in time.
     pub labels: Vec<Label>,

@@ -134,6 +134,7 @@ fn role_of_16(role: Role) -> Color {
     match role {
         Role::OriginalSkeleton => Color::Red,
         Role::NewSkeleton => Color::Green,
+        Role::NormalSkeleton => Color::Cyan,
         Role::OriginalPath | Role::NewPath => Color::White,
         Role::ControlPoint => Color::Magenta,
         // Purple is all used up among 16; signs tell joints from control points.
@@ -199,7 +200,8 @@ fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
 mod tests {
     use super::*;
 
-    const ROLES: [Role; 15] = [
+    const ROLES: [Role; 16] = [
+        Role::NormalSkeleton,
         Role::OriginalSkeleton,
         Role::NewSkeleton,
         Role::OriginalPath,

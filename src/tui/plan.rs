@@ -2,8 +2,8 @@
 //!
 //! Curves and limbs are braille lines, things with a place are single characters on top of them, texts go where they
 //! cover neither. What a thing is shows without colour too: the original path is dashed, the original actor's hips
-//! are `o` and its tracker `□`, the new one's `O` and `■`; control points are `●`, the selected one `◆` with its
-//! number; selected joints are `◉`, the one that keys move is `◎`. A footprint is an arrow the way the toes point, `↓`
+//! are `o` and its tracker `□`, the new one's `O` and `■`, the normal skeleton's hips `n`; control points are `●`, the selected one `◆` with its
+//! number; `•` is where a point is on its trail; selected joints are `◉`, the one that keys move is `◎`. A footprint is an arrow the way the toes point, `↓`
 //! for a left foot and `⇓` for a right one, `!` where the plant was missed; from the side all are `▁`.
 
 use std::collections::HashSet;
@@ -212,7 +212,11 @@ impl PlanView<'_> {
         let mut symbols = Vec::new();
         for (body, points) in self.bodies() {
             let style = self.palette.role(body.role);
-            let (hips, foot) = if body.role == Role::OriginalSkeleton { ('o', '▫') } else { ('O', '▪') };
+            let (hips, foot) = match body.role {
+                Role::OriginalSkeleton => ('o', '▫'),
+                Role::NormalSkeleton => ('n', '▫'),
+                _ => ('O', '▪'),
+            };
             let (root, feet) = landmarks(body, points);
             symbols.extend(feet.into_iter().map(|p| (p, foot, style)));
             symbols.extend(root.map(|p| (p, hips, style)));
@@ -346,7 +350,7 @@ fn rank(role: Role) -> u8 {
         Role::NewPath => 4,
         Role::Strain => 5,
         Role::ControlPoint => 6,
-        Role::OriginalSkeleton => 7,
+        Role::NormalSkeleton | Role::OriginalSkeleton => 7,
         Role::NewSkeleton => 8,
         Role::OriginalTracker => 9,
         Role::NewTracker => 10,
@@ -488,7 +492,7 @@ mod tests {
 
     fn body(role: Role) -> Body {
         let limb = |from, to| Limb { role, from, to, radius: 0.05 };
-        Body { role, limbs: vec![limb(0, 1), limb(1, 2), limb(1, 3), limb(0, 4), limb(0, 5)] }
+        Body { role, limbs: vec![limb(0, 1), limb(1, 2), limb(1, 3), limb(0, 4), limb(0, 5)], wireframe: false }
     }
 
     fn curve(role: Role, stroke: Stroke, points: Vec<DVec3>) -> Curve {

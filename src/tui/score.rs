@@ -83,5 +83,10 @@ fn playback(editor: &Editor) -> String {
 }
 
 fn sign(editor: &Editor) -> &'static str {
-    if editor.view().playing { "▶ playing" } else { "‖ paused" }
+    match (editor.view().playing, editor.view().slow_motion) {
+        (true, false) => "▶ playing",
+        (true, true) => "▶ slow",
+        (false, false) => "‖ paused",
+        (false, true) => "‖ slow",
+    }
 }

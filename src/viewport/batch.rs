@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::{camera::Bounds, footprint, shadow::Caster};
+use super::{camera::Bounds, footprint, shadow::Caster, wire};
 use crate::scene::{Body, Curve, Ground, Mark, Now, Role, Still, Stroke};
 
 /// A capsule, a sphere (both ends equal) or a cube (both ends equal).
@@ -55,6 +55,8 @@ pub(super) struct StillBatch {
 #[derive(Debug)]
 pub(super) struct NowBatch {
     pub(super) solids: Solids,
+    /// Edges of bodies that are no solids.
+    pub(super) segments: Vec<Segment>,
     /// Bodies and moving marks, relative to the origin.
     pub(super) casters: Vec<Caster>,
     pub(super) bounds: Bounds,
@@ -110,9 +112,10 @@ impl StillBatch {
 impl NowBatch {
     /// Gathers what moves. A limb of a point that is not there is not drawn.
     pub(super) fn new(still: &Still, now: &Now, origin: DVec3) -> Self {
-        let mut batch = Self { solids: Solids::default(), casters: Vec::new(), bounds: Bounds::EMPTY };
+        let mut batch =
+            Self { solids: Solids::default(), segments: Vec::new(), casters: Vec::new(), bounds: Bounds::EMPTY };
         for (body, points) in still.bodies.iter().zip(&now.actors) {
-            batch.add_body(body, points, origin);
+            batch.add_body(body, points, origin, still.body_height);
         }
         for mark in &now.marks {
             batch.solids.add_mark(mark, origin);
@@ -121,11 +124,20 @@ impl NowBatch {
         batch
     }
 
-    fn add_body(&mut self, body: &Body, points: &[DVec3], origin: DVec3) {
+    fn add_body(&mut self, body: &Body, points: &[DVec3], origin: DVec3, body_height: f64) {
         for limb in &body.limbs {
             let (Some(&from), Some(&to)) = (points.get(limb.from as usize), points.get(limb.to as usize)) else {
                 continue;
             };
+            if body.wireframe {
+                for edge in wire::edges(limb, from, to) {
+                    add_curve(&mut self.segments, &edge, width(limb.role), origin, body_height);
+                }
+                // Edges cast no shadows, but are as far away as solids would be.
+                self.bounds.add(from, limb.radius);
+                self.bounds.add(to, limb.radius);
+                continue;
+            }
             self.solids.capsules.push(solid(from, to, limb.radius, limb.role, origin));
             self.add_caster(from, limb.radius, origin);
             self.add_caster(to, limb.radius, origin);
@@ -241,6 +253,7 @@ mod tests {
                     Limb { role: Role::NewSkeleton, from: 0, to: 1, radius: 0.1 },
                     Limb { role: Role::SelectedJoint, from: 1, to: 9, radius: 0.1 },
                 ],
+                wireframe: false,
             }],
             curves: vec![Curve {
                 role: Role::NewPath,
@@ -292,6 +305,16 @@ mod tests {
         let batch = |points: Vec<DVec3>| NowBatch::new(&still(), &now(points), DVec3::ZERO);
         assert_eq!(batch(vec![]).solids.capsules.len(), 0);
         assert_eq!(batch(vec![DVec3::ZERO, DVec3::Y]).solids.capsules.len(), 1);
+    }
+
+    #[test]
+    fn wireframe_bodies_are_lines_without_shadows() {
+        let mut still = still();
+        still.bodies[0].wireframe = true;
+        let batch = NowBatch::new(&still, &now(vec![DVec3::ZERO, DVec3::Y]), DVec3::ZERO);
+        assert_eq!((batch.solids.capsules.len(), batch.segments.len()), (0, 12));
+        assert_eq!(batch.casters.len(), 1, "the tracker");
+        assert!(batch.segments.iter().all(|s| s.dash == 0.0 && s.colour == colour(Role::NewSkeleton)));
     }
 
     #[test]

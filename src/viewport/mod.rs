@@ -48,6 +48,7 @@ mod target;
 mod text;
 mod view_block;
 pub mod window;
+mod wire;
 
 pub use camera::pick;
 pub use device::DeviceChoice;

@@ -18,7 +18,8 @@ use super::{
 /// Draws the curves of a view.
 pub(super) struct RibbonPass {
     pipeline: Pipeline,
-    segments: Instances,
+    still: Instances,
+    moving: Instances,
     device: Rc<Device>,
 }
 
@@ -52,21 +53,36 @@ impl RibbonPass {
             blend: true,
         };
         let pipeline = Pipeline::new(device, &spec)?;
-        Ok(Self { pipeline, segments: Instances::new(device)?, device: Rc::clone(device) })
+        let (still, moving) = (Instances::new(device)?, Instances::new(device)?);
+        Ok(Self { pipeline, still, moving, device: Rc::clone(device) })
     }
 
-    /// Replaces the curves; the device must not be drawing them.
+    /// Replaces the curves that stay; the device must not be drawing them.
     ///
     /// # Errors
     ///
     /// When memory has run out.
-    pub(super) fn set(&mut self, segments: &[Segment]) -> Result<(), GpuError> {
-        self.segments.set(segments)
+    pub(super) fn set_still(&mut self, segments: &[Segment]) -> Result<(), GpuError> {
+        self.still.set(segments)
+    }
+
+    /// Replaces the curves that move; the device must not be drawing them.
+    ///
+    /// # Errors
+    ///
+    /// When memory has run out.
+    pub(super) fn set_moving(&mut self, segments: &[Segment]) -> Result<(), GpuError> {
+        self.moving.set(segments)
     }
 
     /// Records the drawing; a view is bound.
     pub(super) fn draw(&self, commands: vk::CommandBuffer) {
-        if self.segments.count() == 0 {
+        self.draw_list(commands, &self.still);
+        self.draw_list(commands, &self.moving);
+    }
+
+    fn draw_list(&self, commands: vk::CommandBuffer, segments: &Instances) {
+        if segments.count() == 0 {
             return;
         }
         let device = &self.device.handle;
@@ -74,8 +90,8 @@ impl RibbonPass {
         // `count` instances of the stride it was told.
         unsafe {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, self.pipeline.handle);
-            device.cmd_bind_vertex_buffers(commands, 0, &[self.segments.handle()], &[0]);
-            device.cmd_draw(commands, 4, self.segments.count(), 0, 0);
+            device.cmd_bind_vertex_buffers(commands, 0, &[segments.handle()], &[0]);
+            device.cmd_draw(commands, 4, segments.count(), 0, 0);
         }
     }
 }

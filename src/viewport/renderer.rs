@@ -222,12 +222,13 @@ impl Renderer {
         if self.still.as_ref().is_none_or(|(revision, _)| *revision != scene.still.revision) {
             let batch = StillBatch::new(&scene.still, &scene.now);
             self.passes.solids.set_still(&batch.solids)?;
-            self.passes.ribbons.set(&batch.segments)?;
+            self.passes.ribbons.set_still(&batch.segments)?;
             self.still = Some((scene.still.revision, batch));
         }
         let (_, still) = self.still.as_ref().expect("uploaded above");
         let now = NowBatch::new(&scene.still, &scene.now, still.origin);
         self.passes.solids.set_moving(&now.solids)?;
+        self.passes.ribbons.set_moving(&now.segments)?;
         let ground = scene.still.ground.as_ref();
         let light = shadow::light_matrix(&now.casters, ground.map_or(0.0, |g| g.height) - still.origin.y);
         let bounds = Bounds { low: still.bounds.low.min(now.bounds.low), high: still.bounds.high.max(now.bounds.high) };

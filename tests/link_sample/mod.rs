@@ -18,7 +18,9 @@ pub(crate) fn still(revision: u64) -> Still {
     Still {
         revision,
         body_height: 1.7,
-        bodies: [Role::OriginalSkeleton, Role::NewSkeleton].map(|role| Body { role, limbs: limbs(role) }).to_vec(),
+        bodies: [Role::OriginalSkeleton, Role::NewSkeleton]
+            .map(|role| Body { role, limbs: limbs(role), wireframe: false })
+            .to_vec(),
         curves: vec![
             Curve { role: Role::OriginalPath, stroke: Stroke::Dashed, points: path.clone() },
             Curve { role: Role::NewPath, stroke: Stroke::Solid, points: path },

@@ -200,3 +200,13 @@ fn a_headless_preview_sends_frames() {
     preview.join().expect("ends without panic");
     assert!(events.recv().is_err(), "no event after the last frame");
 }
+
+#[test]
+fn bones_as_edges() {
+    check("wireframe", &scenes::wireframe(), Quality::Full, 640, 360);
+}
+
+#[test]
+fn trails_with_the_playhead_and_the_normal_skeleton() {
+    check("trails", &scenes::trails(), Quality::Full, 640, 360);
+}

@@ -60,7 +60,11 @@ fn actor(x: f64, z: f64, (sin, cos): (f64, f64)) -> Vec<DVec3> {
 }
 
 fn body(role: Role) -> Body {
-    Body { role, limbs: LIMBS.iter().map(|&(from, to, radius)| Limb { role, from, to, radius }).collect() }
+    Body {
+        role,
+        limbs: LIMBS.iter().map(|&(from, to, radius)| Limb { role, from, to, radius }).collect(),
+        wireframe: false,
+    }
 }
 
 fn at(x: f64, y: f64, z: f64) -> DVec3 {
@@ -206,6 +210,45 @@ pub(crate) fn footprints() -> Scene {
     scene.now.marks.clear();
     scene.now.labels.clear();
     scene.now.views[0].title = "footprints".to_owned();
+    scene
+}
+
+/// Both bodies as edges, a limb without length among them, and a selected one.
+pub(crate) fn wireframe() -> Scene {
+    let mut scene = full();
+    let still = Arc::make_mut(&mut scene.still);
+    still.revision = 5;
+    still.bodies.iter_mut().for_each(|body| body.wireframe = true);
+    still.bodies[1].limbs[6].role = Role::SelectedJoint;
+    scene.now.views[0].title = "wireframe".to_owned();
+    scene
+}
+
+/// Trails of both hands with a mark where the hands are, and the normal skeleton at the new actor's place.
+pub(crate) fn trails() -> Scene {
+    let mut scene = full();
+    let hands = [15, 18].map(|point| scene.now.actors[1][point]);
+    let still = Arc::make_mut(&mut scene.still);
+    still.revision = 6;
+    for (hand, side) in hands.into_iter().zip([0.5, -0.5]) {
+        // Swinging forward and back as it walks.
+        let point = |i: i32| {
+            let t = f64::from(i) / 16.0;
+            hand + at(side * t * t * 0.4, 0.15 * (t - t.floor()) * (t.floor() + 1.0 - t), t * 1.1)
+        };
+        still.curves.push(Curve { role: Role::Trace, stroke: Stroke::Solid, points: (-32..=24).map(point).collect() });
+        scene.now.marks.push(Mark { role: Role::Trace, at: hand, radius: 0.055 });
+    }
+    still.bodies.push(body(Role::NormalSkeleton));
+    // All limbs straight, as far apart as their lengths say.
+    let mut normal = actor(0.52, 4.41, (0.0, 1.0));
+    for (parent, child, _) in LIMBS.iter().filter(|limb| (5..=12).contains(&limb.1) && limb.0 != 0) {
+        let length = DVec3::from_array(POSE[*parent as usize]).distance(DVec3::from_array(POSE[*child as usize]));
+        normal[*child as usize] = normal[*parent as usize] - DVec3::Y * length;
+    }
+    scene.now.actors.push(normal);
+    scene.now.labels.push(label(Role::NormalSkeleton, "normal", at(0.52, 1.9, 4.41)));
+    scene.now.views[0].title = "trails".to_owned();
     scene
 }
 

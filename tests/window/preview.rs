@@ -36,6 +36,7 @@ pub(crate) fn scene(number: u32) -> Scene {
             bodies: vec![Body {
                 role: Role::NewSkeleton,
                 limbs: vec![Limb { role: Role::NewSkeleton, from: 0, to: 1, radius: 0.25 }],
+                wireframe: false,
             }],
             curves: vec![],
             footprints: vec![],
