@@ -8,7 +8,8 @@ use std::{fmt::Write as _, sync::Arc, time::Instant};
 use glam::DVec3;
 use walkabout::{
     bvh::Bvh,
-    document::{Cycling, Edits, Solved, Source, solve},
+    document::{Cycling, Document, Edits, Opened, Solved, Source, solve},
+    editor::{Editor, TABS, Tab},
     motion::{ClipOptions, gait},
     path::{Degree, Integrator, ResidualFrame, Shape, ShapeKind, shape_points},
 };
@@ -97,11 +98,46 @@ fn main() {
     if wanted.is_empty() || "linear in frames".contains(&wanted) {
         linear();
     }
+    if wanted.is_empty() || "poses".contains(&wanted) {
+        poses(&start);
+    }
     if wanted.is_empty() {
         let times = timed(|| {
             solve(&source, &start.edits, None);
         });
         print_row("everything from the file's numbers", &times);
+    }
+}
+
+/// Prints how long it takes from a key that edits a pose to the scene that shows it; the target is 16 ms.
+fn poses(start: &Solved) {
+    let arm = "gcgcgcgsgcgtgcgtgc";
+    let leg = "gcgsgtgcgtgc";
+    let keyed = "gai..........<lt>i<end>i<home>gn";
+    for (name, keys) in [
+        ("a key moves a hand", arm.to_owned()),
+        ("a key moves a hand, all joints have keys", format!("{keyed}{arm}")),
+        ("a key moves a foot that is held", leg.to_owned()),
+        ("a key turns the chest", "gcgce".to_owned()),
+        ("a key moves the carrier", String::new()),
+        ("a key moves a hand, Euler cubic, all keyed", format!("{keyed}BiBi{arm}")),
+    ] {
+        let source = Source { name: String::new(), file: None, bvh: start.source.bvh.clone() };
+        let edits = (*start.edits).clone();
+        let opened = Opened { source: Arc::new(source), edits, project: None, warnings: Vec::new() };
+        let mut editor = Editor::new(Document::new(opened), Vec::new());
+        let tab_idx = TABS.iter().position(|&tab| tab == Tab::Joints).expect("a tab");
+        editor.keys(&"<tab>".repeat(tab_idx));
+        editor.keys("......................................................................");
+        editor.keys(&keys);
+        editor.keys("x");
+        assert!(!editor.document().edits().layers.is_empty(), "{name}: {:?}", editor.view().message);
+        let mut key = ["x", "X"].into_iter().cycle();
+        let times = timed(|| {
+            editor.keys(key.next().expect("without end"));
+            std::hint::black_box(editor.scene());
+        });
+        print_row(name, &times);
     }
 }
 
