@@ -1,5 +1,7 @@
 //! `Prepared`: what holding needs of the source, once per clip and plants.
 
+use std::ops::Range;
+
 use glam::{DQuat, DVec3};
 
 use super::feet::smootherstep;
@@ -7,8 +9,9 @@ use super::ground::GroundSlope;
 use crate::{
     contact::{FootPlants, Plant, PlantMode},
     math::Rigid,
-    motion::{Clip, Leg},
-    skeleton::Skeleton,
+    motion::{Clip, EditedClip, Leg},
+    skeleton::{JointId, Skeleton},
+    sync::halves,
 };
 
 /// Weight of a leg's usual hinge against the one its bend shows, as the sine of a bend: a knee bent less than this
@@ -90,11 +93,12 @@ pub(super) struct LegPose {
 }
 
 impl Prepared {
-    /// Prepares a clip; one pass over its frames.
+    /// Prepares what is to be carried and held, at every frame of its clip; one pass over them.
     ///
     /// `feet` are the legs to hold with their plants. Legs without plants, legs whose joints do not hang below the
     /// carrier or cannot be turned, and legs without length are left out.
-    pub fn new(clip: &Clip, feet: &[FootPlants]) -> Self {
+    pub fn new(posed: &EditedClip, feet: &[FootPlants]) -> Self {
+        let clip = &*posed.clip;
         let n_frames = clip.n_frames();
         let height = clip.facts.height.value;
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
@@ -107,17 +111,12 @@ impl Prepared {
                 poses: Vec::with_capacity(n_frames),
             })
             .collect();
-        let carrier_idx = clip.facts.carrier.value.idx();
         let mut to_origin = Vec::with_capacity(n_frames);
-        let mut rigids = Vec::new();
-        for frame in 0..n_frames {
-            clip.world_rigids(frame, &mut rigids);
-            let back = rigids[carrier_idx].inverse();
-            to_origin.push(back);
-            for leg in &mut legs {
-                let (frame, pose) = taken(&clip.skeleton, &leg.leg, &rigids, &back);
-                leg.frames.push(frame);
-                leg.poses.push(pose);
+        for (part_origin, part_legs) in halves(n_frames, 0, |range| legs_of(posed, &held, range)) {
+            to_origin.extend(part_origin);
+            for (leg, (frames, poses)) in legs.iter_mut().zip(part_legs) {
+                leg.frames.extend(frames);
+                leg.poses.extend(poses);
             }
         }
         for (leg, foot) in legs.iter_mut().zip(held) {
@@ -166,10 +165,46 @@ impl PreparedLeg {
 fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
     let Leg { hip, knee, ankle, .. } = foot.leg;
     let carrier = clip.facts.carrier.value;
-    let free = |joint: crate::skeleton::JointId| {
-        joint != carrier && clip.skeleton.is_within(joint, carrier) && clip.turns_freely(joint.idx())
-    };
+    let free =
+        |joint: JointId| joint != carrier && clip.skeleton.is_within(joint, carrier) && clip.turns_freely(joint.idx());
     !foot.plants.is_empty() && [hip, knee, ankle].into_iter().all(free)
+}
+
+/// Returns what takes the carrier to the origin, and the legs, at some frames.
+#[expect(clippy::type_complexity, reason = "two lists for each leg, taken apart at once")]
+fn legs_of(
+    posed: &EditedClip,
+    feet: &[&FootPlants],
+    range: Range<usize>,
+) -> (Vec<Rigid>, Vec<(Vec<LegFrame>, Vec<LegPose>)>) {
+    let skeleton = &posed.clip.skeleton;
+    let carrier = posed.clip.facts.carrier.value;
+    let ends = feet.iter().flat_map(|foot| [foot.leg.ankle, toe_joint(skeleton, &foot.leg)]).chain([carrier]);
+    let ends: Vec<JointId> = ends.collect();
+    let needed: Vec<JointId> =
+        skeleton.ids().filter(|&id| ends.iter().any(|&end| skeleton.is_within(end, id))).collect();
+    let mut to_origin = Vec::with_capacity(range.len());
+    let mut legs = vec![(Vec::with_capacity(range.len()), Vec::with_capacity(range.len())); feet.len()];
+    let mut rigids = vec![Rigid::IDENTITY; skeleton.n_joints()];
+    for frame in range {
+        posed.some_world_rigids(frame, &needed, &mut rigids);
+        let back = rigids[carrier.idx()].inverse();
+        to_origin.push(back);
+        for ((frames, poses), foot) in legs.iter_mut().zip(feet) {
+            let (frame, pose) = taken(skeleton, &foot.leg, &rigids, &back);
+            frames.push(frame);
+            poses.push(pose);
+        }
+    }
+    (to_origin, legs)
+}
+
+/// Returns the joint that a leg's toe is, or whose end site it is.
+fn toe_joint(skeleton: &Skeleton, leg: &Leg) -> JointId {
+    match leg.toe.checked_sub(skeleton.n_joints()) {
+        None => JointId(leg.toe as u32),
+        Some(site) => skeleton.end_sites()[site],
+    }
 }
 
 /// Takes a leg out of a pose; the hinge is what the bend shows, of the length of its sine.

@@ -113,14 +113,25 @@ pub enum ChangeError {
     },
 }
 
-/// Returns the edits after a change, and what deserves the user's eye.
+/// What a change leads to.
+pub(super) struct Next {
+    /// The edits after it.
+    pub(super) edits: Edits,
+    /// What deserves the user's eye.
+    pub(super) warnings: Vec<String>,
+    /// What follows from those edits, where that had to be found out anyway.
+    pub(super) solved: Option<Solved>,
+}
+
+/// Returns what a change leads to.
 ///
 /// # Errors
 ///
 /// When the change cannot be made; nothing is half done.
-pub(super) fn next(solved: &Solved, change: &Change) -> Result<(Edits, Vec<String>), ChangeError> {
+pub(super) fn next(solved: &Solved, change: &Change) -> Result<Next, ChangeError> {
     let mut edits = (*solved.edits).clone();
     let mut warnings = Vec::new();
+    let mut ahead = None;
     match change {
         Change::Set { values, shape } => warnings = set(solved, &mut edits, values, *shape)?,
         Change::PlacePoint { point_idx, to } => {
@@ -161,10 +172,10 @@ pub(super) fn next(solved: &Solved, change: &Change) -> Result<(Edits, Vec<Strin
             layers::change_keys(solved, &mut edits, *layer_idx, selection, *change)?;
         }
         Change::Pose { layer_idx, frame_idx, change } => {
-            posing::change(solved, &mut edits, *layer_idx, *frame_idx, change)?;
+            ahead = posing::change(solved, &mut edits, *layer_idx, *frame_idx, change)?;
         }
     }
-    Ok((edits, warnings))
+    Ok(Next { edits, warnings, solved: ahead })
 }
 
 fn give(edits: &mut Edits, points: Vec<DVec3>) {

@@ -10,7 +10,7 @@ use crate::{
     constrain::Prepared,
     contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
     measure::{Body, FootMeasure, FootNumbers, FootTracks},
-    motion::{Clip, ClipOptions, Decided, Leg, PointTracks, Side, legs::find_legs},
+    motion::{Clip, ClipOptions, Decided, EditedClip, Leg, PointTracks, Side, legs::find_legs},
 };
 
 /// What is found of feet in the source clip, before the user's own plants.
@@ -93,14 +93,14 @@ impl Feet {
 }
 
 /// Prepares the legs of a clip to be held; `clean` removes the feet's own slide from plants that are only to be held.
-pub(super) fn prepared(clip: &Clip, plants: &[FootPlants], clean: bool) -> Prepared {
+pub(super) fn prepared(posed: &EditedClip, plants: &[FootPlants], clean: bool) -> Prepared {
     let mut feet = plants.to_vec();
     for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
         if clean && plant.mode == PlantMode::Hold {
             plant.mode = PlantMode::Clean;
         }
     }
-    Prepared::new(clip, &feet)
+    Prepared::new(posed, &feet)
 }
 
 /// Returns the points that are measured: ankle and toe of each leg.

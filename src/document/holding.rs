@@ -74,7 +74,7 @@ impl Carriage<'_> {
             let carrier: Vec<Rigid> =
                 listed(path.len(), |frames| frames.map(|f| self.posed.carrier(f, &path[f])).collect());
             let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
-            append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.clip);
+            append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.legs);
         }
         (edited, holding)
     }
@@ -92,7 +92,7 @@ impl Carriage<'_> {
 }
 
 /// Appends a held cycle, cut to the frames that are shown. `posed` has the poses where nothing is turned.
-fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize, posed: &Clip) {
+fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize, posed: &EditedClip) {
     let n = end - first;
     if first == 0 {
         (edited.carrier_world, edited.turned) = (held.carrier, held.turned);
@@ -118,10 +118,10 @@ fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usi
 }
 
 /// Appends the turned joints of another cycle. Either may have none, where nothing had to be held.
-fn append_turned(edited: &mut EditedClip, more: Vec<TurnedJoint>, frames: Range<usize>, posed: &Clip) {
+fn append_turned(edited: &mut EditedClip, more: Vec<TurnedJoint>, frames: Range<usize>, posed: &EditedClip) {
     let shown = edited.source_frames.clone();
     let own = |joint: JointId, frames: Range<usize>| {
-        shown[frames].iter().map(|&f| posed.rotations(f as usize)[joint.idx()]).collect::<Vec<_>>()
+        shown[frames].iter().map(|&f| posed.rotation(f as usize, joint)).collect::<Vec<_>>()
     };
     if edited.turned.is_empty() {
         let joints = more.iter().map(|turned| turned.joint);

@@ -111,12 +111,15 @@ impl Document {
     ///
     /// When the change cannot be made; then nothing has changed.
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
-        let (edits, warnings) = change::next(from, change)?;
+        let change::Next { edits, warnings, solved } = change::next(from, change)?;
         match change {
             Change::ResetView => self.history.push_view(edits),
             _ => self.history.push(edits, joins),
         }
-        self.resolve();
+        match solved.filter(|ahead| ahead.edits == *self.edits()) {
+            Some(ahead) => self.solved = Arc::new(Solved { edits: Arc::clone(self.edits()), ..ahead }),
+            None => self.resolve(),
+        }
         Ok(warnings)
     }
 

@@ -21,6 +21,7 @@ use crate::{
     motion::{Clip, EditedClip, TurnedJoint},
     path::{PathFrame, Residuals},
     skeleton::JointId,
+    sync::listed,
 };
 
 /// `clip.clear_position` and `clip.clear_rotation`: which of the clip's own data take no part.
@@ -55,8 +56,11 @@ pub struct Posed {
     pub displaced: Arc<Displaced>,
     /// What the path carries.
     pub residuals: Arc<Residuals>,
-    /// What walks, as far as its legs are concerned: joints that no leg hangs on may be in any pose.
-    pub clip: Arc<Clip>,
+    /// Whether anything of it bears on a leg.
+    bears: bool,
+    /// What walks, with its layers, on the original path, as far as its legs are concerned: joints that no leg hangs on
+    /// are as they walk.
+    pub legs: Arc<EditedClip>,
     /// The legs that can be held, ready to be.
     pub prepared: Arc<Prepared>,
     /// The joints that holding and layers turn, ready to be measured.
@@ -114,21 +118,27 @@ impl Posed {
         let bears = displaced.moves_carrier()
             || !base.motions.is_empty()
             || displaced.turned.iter().any(|turned| is_leg(turned.joint));
-        let clip = if bears {
-            let path = walked.path(loaded.original);
-            let same = same_joints
-                .filter(|p| Arc::ptr_eq(&p.posed.residuals, &residuals) && Arc::ptr_eq(&p.original, loaded.original));
-            reuse(same, |p| &p.posed.clip, || posed_clip(walked, &displaced, &residuals, path))
-        } else {
-            Arc::clone(&walked.clip)
-        };
+        let same_on_path = same_walk.filter(|p| p.posed.bears == bears).filter(|p| {
+            !bears
+                || (Arc::ptr_eq(&p.posed.of_clip, &of_clip)
+                    && Arc::ptr_eq(&p.posed.residuals, &residuals)
+                    && Arc::ptr_eq(&p.original, loaded.original))
+        });
+        let legs = reuse(
+            same_on_path,
+            |p| &p.posed.legs,
+            || match bears {
+                false => EditedClip::unedited(Arc::clone(&walked.clip)),
+                true => legs_posed(walked, &displaced, &residuals, walked.path(loaded.original), is_leg),
+            },
+        );
         let same_legs = previous.filter(|p| {
-            Arc::ptr_eq(&p.posed.clip, &clip)
+            Arc::ptr_eq(&p.posed.legs, &legs)
                 && p.walked.plants == walked.plants
                 && p.edits.plants.clean == edits.plants.clean
         });
         let prepared =
-            reuse(same_legs, |p| &p.posed.prepared, || feet::prepared(&clip, &walked.plants, edits.plants.clean));
+            reuse(same_legs, |p| &p.posed.prepared, || feet::prepared(&legs, &walked.plants, edits.plants.clean));
         let joints = turning_joints(&walked.clip, &prepared, &displaced);
         let same_turning = same_walk.filter(|p| p.posed.turning.joints().eq(joints.iter().copied()));
         let turning = reuse(
@@ -137,7 +147,7 @@ impl Posed {
             || Turning::of(&walked.clip, &walked.body, joints.iter().copied()),
         );
         let warnings = if edits.layers.is_empty() { Vec::new() } else { stack.warnings() };
-        Self { base, of_clip, displaced, residuals, clip, prepared, turning, warnings }
+        Self { base, of_clip, displaced, residuals, bears, legs, prepared, turning, warnings }
     }
 
     /// Returns where the carrier is at a frame of what walks, `at` being the path's frame there.
@@ -252,18 +262,24 @@ fn repeated<T: Copy>(values: &[T], source_frames: &[u32]) -> Vec<T> {
     if values.is_empty() { Vec::new() } else { source_frames.iter().map(|&frame| values[frame as usize]).collect() }
 }
 
-/// Returns what walks as layers have it, on the original path.
-fn posed_clip(walked: &Walked, displaced: &Displaced, residuals: &Residuals, path: &[PathFrame]) -> Clip {
-    let place = |(frame, at): (usize, &PathFrame)| {
+/// Returns what walks as layers have it, on the original path; of the joints only those that legs hang on.
+fn legs_posed(
+    walked: &Walked,
+    displaced: &Displaced,
+    residuals: &Residuals,
+    path: &[PathFrame],
+    is_leg: impl Fn(JointId) -> bool,
+) -> EditedClip {
+    let place = |frame: usize| {
+        let at = &path[frame];
         displaced.carrier(frame, residuals.apply(frame, at), at.rotation(residuals.frame))
     };
     let is_placed = walked.clip.facts.path_editable;
-    Clip::rearranged(&EditedClip {
-        clip: Arc::clone(&walked.clip),
-        source_frames: (0..walked.clip.n_frames() as u32).collect(),
-        carrier_world: if is_placed { path.iter().enumerate().map(place).collect() } else { Vec::new() },
-        turned: displaced.turned.clone(),
-    })
+    EditedClip {
+        carrier_world: if is_placed { listed(path.len(), |range| range.map(place).collect()) } else { Vec::new() },
+        turned: displaced.turned.iter().filter(|turned| is_leg(turned.joint)).cloned().collect(),
+        ..EditedClip::unedited(Arc::clone(&walked.clip))
+    }
 }
 
 /// Returns the joints below the carrier that holding or layers may turn, in the skeleton's order.

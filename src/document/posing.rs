@@ -1,7 +1,8 @@
 //! Editing a pose: what is wanted of it at one frame becomes keys of a layer.
 //!
-//! Joints are moved in the pose that is seen, on its path and with its feet held. A foot that stands is carried by its
-//! plant after that, so such a move is corrected by how far the foot then misses: a few solves, none for other joints.
+//! Joints are moved in the pose that is seen. What a leg's joints do is seen only after its foot has been held, so a leg is
+//! moved where holding takes it from, on the original path, towards the place that holding takes to the target; what is
+//! still missing after that solve is corrected.
 
 use std::sync::Arc;
 
@@ -19,8 +20,8 @@ use crate::{
 };
 
 /// A point that is nearer to its target than this share of the body height is there.
-const THERE: f64 = 1e-5;
-/// Corrections of a foot that stands, at most.
+const THERE: f64 = 5e-5;
+/// Corrections of a foot that is held, at most.
 const CORRECTIONS: usize = 4;
 
 /// What is wanted of a pose. World positions and axes are y-up, in the clip's unit.
@@ -51,7 +52,8 @@ pub enum PoseChange {
     },
 }
 
-/// Makes a pose, at an edited frame, what is wanted; the keys go into a layer.
+/// Makes a pose, at an edited frame, what is wanted; the keys go into a layer. Returns what follows from the edits where
+/// that had to be found out.
 ///
 /// # Errors
 ///
@@ -62,10 +64,20 @@ pub(super) fn change(
     layer_idx: usize,
     frame_idx: usize,
     change: &PoseChange,
-) -> Result<(), LayerRefusal> {
+) -> Result<Option<Solved>, LayerRefusal> {
     editable(edits, layer_idx)?;
     match change {
-        PoseChange::Reach { point, joints, to } => reach(solved, edits, layer_idx, frame_idx, (*point, joints, *to)),
+        PoseChange::Reach { point, joints, to } => {
+            let chain = ik::chain(&solved.clip, *point, joints);
+            if chain.is_empty() {
+                return Err(LayerRefusal::NothingSelected);
+            }
+            let wish = Wish { solved, layer_idx, frame_idx, point: *point, chain };
+            if wish.is_held() {
+                return wish.reach_held(edits, *to).map(Some);
+            }
+            key_turns(solved, edits, layer_idx, frame_idx, &wish.turns(&pose(solved, frame_idx), *to))?;
+        }
         PoseChange::Turn { joint, axis, angle_rad } => {
             let clip = &*solved.clip;
             if !can_turn(clip, *joint) {
@@ -73,10 +85,11 @@ pub(super) fn change(
             }
             let world = pose(solved, frame_idx)[joint.idx()].rotation;
             let turn = ik::turn_about(world, *axis, *angle_rad);
-            key_turns(solved, edits, layer_idx, frame_idx, &[JointTurn { joint: *joint, turn }])
+            key_turns(solved, edits, layer_idx, frame_idx, &[JointTurn { joint: *joint, turn }])?;
         }
-        PoseChange::MoveCarrier { by } => move_carrier(solved, edits, layer_idx, frame_idx, *by),
+        PoseChange::MoveCarrier { by } => move_carrier(solved, edits, layer_idx, frame_idx, *by)?,
     }
+    Ok(None)
 }
 
 /// Returns the world motions of all joints as they are seen.
@@ -86,54 +99,82 @@ fn pose(solved: &Solved, frame_idx: usize) -> Vec<Rigid> {
     world
 }
 
-fn reach(
-    solved: &Solved,
-    edits: &mut Edits,
+/// A point that is to go somewhere at a frame.
+struct Wish<'a> {
+    solved: &'a Solved,
     layer_idx: usize,
     frame_idx: usize,
-    (point, joints, to): (usize, &[JointId], DVec3),
-) -> Result<(), LayerRefusal> {
-    let clip = &*solved.clip;
-    let chain = ik::chain(clip, point, joints);
-    if chain.is_empty() {
-        return Err(LayerRefusal::NothingSelected);
-    }
-    let world = pose(solved, frame_idx);
-    let at = |world: &[Rigid]| ik::point_position(&clip.skeleton, world, point);
-    let (from, hinge) = (at(&world), ik::usual_hinge(clip, &chain, point));
-    let turns = |target| Reach { world: &world, chain: &chain, point: from, target, hinge }.turns();
-    let wanted = at(&ik::turned_world(&clip.skeleton, &world, &turns(to)));
-    let untouched = edits.clone();
-    key_turns(solved, edits, layer_idx, frame_idx, &turns(to))?;
+    point: usize,
+    chain: Vec<JointId>,
+}
 
-    let legs: Vec<JointId> = solved.posed.prepared.legs().map(|leg| leg.ankle).collect();
-    let is_held = solved.holding.is_some()
-        && legs.iter().any(|&ankle| chain.iter().any(|&joint| clip.skeleton.is_within(ankle, joint)));
-    if !is_held {
-        return Ok(());
+impl Wish<'_> {
+    /// Tells whether the joints that turn are those of a leg that is held.
+    fn is_held(&self) -> bool {
+        let skeleton = &self.solved.clip.skeleton;
+        let bears = |ankle: JointId| self.chain.iter().any(|&joint| skeleton.is_within(ankle, joint));
+        self.solved.holding.is_some() && self.solved.posed.prepared.legs().any(|leg| bears(leg.ankle))
     }
-    let near = THERE * clip.facts.height.value;
-    let (mut target, mut least) = (wanted, f64::INFINITY);
-    let mut best = edits.clone();
-    for _ in 0..CORRECTIONS {
-        let made = solve(&solved.source, &Arc::new(edits.clone()), Some(solved));
-        let off = at(&pose(&made, frame_idx)) - wanted;
-        if off.length() < least {
-            (least, best) = (off.length(), edits.clone());
-        } else {
-            break;
-        }
-        if least < near {
-            break;
-        }
-        target -= off;
-        edits.clone_from(&untouched);
-        if key_turns(solved, edits, layer_idx, frame_idx, &turns(target)).is_err() {
-            break;
-        }
+
+    /// Returns how the joints turn so that the point of a pose gets to a target.
+    fn turns(&self, world: &[Rigid], target: DVec3) -> Vec<JointTurn> {
+        let clip = &*self.solved.clip;
+        let point = ik::point_position(&clip.skeleton, world, self.point);
+        let hinge = ik::usual_hinge(clip, &self.chain, self.point);
+        Reach { world, chain: &self.chain, point, target, hinge }.turns()
     }
-    *edits = best;
-    Ok(())
+
+    /// Returns where the point is in a pose.
+    fn at(&self, world: &[Rigid]) -> DVec3 {
+        ik::point_position(&self.solved.clip.skeleton, world, self.point)
+    }
+
+    /// Moves the point of a leg that is held; returns what follows.
+    fn reach_held(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
+        let (solved, clip) = (self.solved, &*self.solved.clip);
+        let seen = pose(solved, self.frame_idx);
+        // Out of reach it is the nearest place that is wanted.
+        let wanted = self.at(&ik::turned_world(&clip.skeleton, &seen, &self.turns(&seen, to)));
+        let mut source = Vec::new();
+        solved.posed.legs.world_rigids(self.walk_frame(), &mut source);
+        // Holding moves a foot as one rigid body.
+        let end = match self.point.checked_sub(clip.skeleton.n_joints()) {
+            None => self.point,
+            Some(site) => clip.skeleton.end_sites()[site].idx(),
+        };
+        let back = source[end] * seen[end].inverse();
+        let untouched = edits.clone();
+        let near = THERE * clip.facts.height.value;
+        let (mut target, mut best) = (wanted, None::<(f64, Edits, Solved)>);
+        for _ in 0..=CORRECTIONS {
+            edits.clone_from(&untouched);
+            let turns = self.turns(&source, back.point(target));
+            if let Err(refusal) = key_turns(solved, edits, self.layer_idx, self.frame_idx, &turns) {
+                if best.is_none() {
+                    return Err(refusal);
+                }
+                break;
+            }
+            let made = solve(&solved.source, &Arc::new(edits.clone()), Some(solved));
+            let off = self.at(&pose(&made, self.frame_idx)) - wanted;
+            let is_better = best.as_ref().is_none_or(|(least, ..)| off.length() < *least);
+            if is_better {
+                best = Some((off.length(), edits.clone(), made));
+            }
+            if !is_better || off.length() < near {
+                break;
+            }
+            target -= off;
+        }
+        let (_, keyed, made) = best.expect("the first try is the best so far");
+        *edits = keyed;
+        Ok(made)
+    }
+
+    /// Returns the frame of what walks that the edited frame shows.
+    fn walk_frame(&self) -> usize {
+        self.solved.walk.source_frame(self.frame_idx)
+    }
 }
 
 /// Keys turns of joints on the right of their local rotations.

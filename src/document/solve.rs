@@ -163,7 +163,7 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
     };
 
     // What no foot hangs on does not change the feet's numbers.
-    let same_steps = same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.clip, &posed.clip));
+    let same_steps = same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.legs, &posed.legs));
     let (measures, foot_numbers, strains) = match (same_edit, same_steps) {
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains()),
         _ => {

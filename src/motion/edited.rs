@@ -71,13 +71,27 @@ impl EditedClip {
 
     /// Fills `out` with the world motions of all joints.
     pub fn world_rigids(&self, frame: usize, out: &mut Vec<Rigid>) {
-        let instead = Instead {
+        let file_frame = self.clip.file_frame(self.source_frame(frame));
+        let instead = self.instead(frame);
+        kinematics::world_rigids_instead(&self.clip.skeleton, &self.clip.poses, file_frame, &instead, out);
+    }
+
+    /// Fills in the world motions of some joints; `out` has a place for every joint of the skeleton.
+    ///
+    /// `joints` come parents first, each with all joints that it hangs on.
+    pub fn some_world_rigids(&self, frame: usize, joints: &[JointId], out: &mut [Rigid]) {
+        let file_frame = self.clip.file_frame(self.source_frame(frame));
+        let (skeleton, poses) = (&self.clip.skeleton, &self.clip.poses);
+        let joints = joints.iter().copied();
+        kinematics::some_world_rigids_instead(skeleton, poses, file_frame, &self.instead(frame), joints, out);
+    }
+
+    fn instead(&self, frame: usize) -> Instead<'_> {
+        Instead {
             placed: self.carrier_world.get(frame).map(|&world| (self.clip.facts.carrier.value, world)),
             turned: &self.turned,
             turned_frame: frame,
-        };
-        let file_frame = self.clip.file_frame(self.source_frame(frame));
-        kinematics::world_rigids_instead(&self.clip.skeleton, &self.clip.poses, file_frame, &instead, out);
+        }
     }
 
     /// Fills `out` with the world positions of all points: joints, then end sites.

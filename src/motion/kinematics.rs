@@ -40,7 +40,21 @@ pub(super) fn world_rigids_instead(
     out: &mut Vec<Rigid>,
 ) {
     out.clear();
-    for (idx, joint) in skeleton.joints().iter().enumerate() {
+    out.resize(skeleton.n_joints(), Rigid::IDENTITY);
+    some_world_rigids_instead(skeleton, poses, frame, instead, skeleton.ids(), out);
+}
+
+/// Fills in the world motions of some joints, parents first, each with all that it hangs on.
+pub(super) fn some_world_rigids_instead(
+    skeleton: &Skeleton,
+    poses: &Poses,
+    frame: usize,
+    instead: &Instead,
+    joints: impl Iterator<Item = JointId>,
+    out: &mut [Rigid],
+) {
+    for id in joints {
+        let (idx, joint) = (id.idx(), skeleton.joint(id));
         let mut local = poses.local(frame, idx);
         if let Some(turned) = instead.turned.iter().find(|turned| turned.joint.idx() == idx) {
             local.rotation = turned.rotations[instead.turned_frame];
@@ -50,7 +64,7 @@ pub(super) fn world_rigids_instead(
             (_, Some(parent)) => out[parent.idx()] * local,
             (_, None) => local,
         };
-        out.push(world);
+        out[idx] = world;
     }
 }
 

@@ -61,6 +61,11 @@ impl Subject {
         Self::new(name, &Bvh::parse(bytes, name).expect("a valid file"))
     }
 
+    /// Returns the clip as it is, ready to be prepared.
+    pub(crate) fn posed(&self) -> EditedClip {
+        EditedClip::unedited(Arc::clone(&self.clip))
+    }
+
     /// Takes the built-in clip.
     pub(crate) fn built_in() -> Self {
         Self::new("built-in", &Bvh::parse(gait::built_in().0.into_bytes(), "built-in").expect("a valid file"))
@@ -131,7 +136,7 @@ impl Plain {
     }
 
     pub(crate) fn held(&self, subject: &Subject, feet: &[FootPlants]) -> Held {
-        hold(&Prepared::new(&subject.clip, feet), &self.job(Ground::Steps))
+        hold(&Prepared::new(&subject.posed(), feet), &self.job(Ground::Steps))
     }
 }
 
