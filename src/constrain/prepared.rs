@@ -102,19 +102,14 @@ impl Prepared {
         let n_frames = clip.n_frames();
         let height = clip.facts.height.value;
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
-        let mut legs: Vec<PreparedLeg> = held
-            .iter()
-            .map(|foot| PreparedLeg {
-                leg: foot.leg,
-                plants: Vec::new(),
-                frames: Vec::with_capacity(n_frames),
-                poses: Vec::with_capacity(n_frames),
-            })
+        let mut parts = halves(n_frames, 0, |range| legs_of(posed, &held, range)).into_iter();
+        let (mut to_origin, first) = parts.next().expect("at least one part");
+        let mut legs: Vec<PreparedLeg> = (held.iter().zip(first))
+            .map(|(foot, (frames, poses))| PreparedLeg { leg: foot.leg, plants: Vec::new(), frames, poses })
             .collect();
-        let mut to_origin = Vec::with_capacity(n_frames);
-        for (part_origin, part_legs) in halves(n_frames, 0, |range| legs_of(posed, &held, range)) {
-            to_origin.extend(part_origin);
-            for (leg, (frames, poses)) in legs.iter_mut().zip(part_legs) {
+        for (more, part) in parts {
+            to_origin.extend(more);
+            for (leg, (frames, poses)) in legs.iter_mut().zip(part) {
                 leg.frames.extend(frames);
                 leg.poses.extend(poses);
             }
@@ -183,8 +178,10 @@ fn legs_of(
     let ends: Vec<JointId> = ends.collect();
     let needed: Vec<JointId> =
         skeleton.ids().filter(|&id| ends.iter().any(|&end| skeleton.is_within(end, id))).collect();
-    let mut to_origin = Vec::with_capacity(range.len());
-    let mut legs = vec![(Vec::with_capacity(range.len()), Vec::with_capacity(range.len())); feet.len()];
+    // The first part takes the others up.
+    let room = if range.start == 0 { posed.n_frames() } else { range.len() };
+    let mut to_origin = Vec::with_capacity(room);
+    let mut legs: Vec<_> = feet.iter().map(|_| (Vec::with_capacity(room), Vec::with_capacity(room))).collect();
     let mut rigids = vec![Rigid::IDENTITY; skeleton.n_joints()];
     for frame in range {
         posed.some_world_rigids(frame, &needed, &mut rigids);

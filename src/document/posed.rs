@@ -129,7 +129,10 @@ impl Posed {
             |p| &p.posed.legs,
             || match bears {
                 false => EditedClip::unedited(Arc::clone(&walked.clip)),
-                true => legs_posed(walked, &displaced, &residuals, walked.path(loaded.original), is_leg),
+                true => {
+                    let path = walked.path(loaded.original);
+                    legs_posed(walked, &displaced, &residuals, path, !base.motions.is_empty(), is_leg)
+                }
             },
         );
         let same_legs = previous.filter(|p| {
@@ -263,18 +266,20 @@ fn repeated<T: Copy>(values: &[T], source_frames: &[u32]) -> Vec<T> {
 }
 
 /// Returns what walks as layers have it, on the original path; of the joints only those that legs hang on.
+/// `moves_otherwise`: the residuals are not its own.
 fn legs_posed(
     walked: &Walked,
     displaced: &Displaced,
     residuals: &Residuals,
     path: &[PathFrame],
+    moves_otherwise: bool,
     is_leg: impl Fn(JointId) -> bool,
 ) -> EditedClip {
     let place = |frame: usize| {
         let at = &path[frame];
         displaced.carrier(frame, residuals.apply(frame, at), at.rotation(residuals.frame))
     };
-    let is_placed = walked.clip.facts.path_editable;
+    let is_placed = walked.clip.facts.path_editable && (displaced.moves_carrier() || moves_otherwise);
     EditedClip {
         carrier_world: if is_placed { listed(path.len(), |range| range.map(place).collect()) } else { Vec::new() },
         turned: displaced.turned.iter().filter(|turned| is_leg(turned.joint)).cloned().collect(),
