@@ -1,10 +1,10 @@
 //! The maps tab: what layers do to the joint that keys act on, over all frames, and the keys of the selection.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-use super::{Editor, Handle, Row, RowKind};
+use super::{Editor, Handle, Row, RowKind, TABS, Tab, panel};
 use crate::{
-    displace::{MapPoint, Selection, joint_name},
+    displace::{MapPoint, PointValue, Selection, find_joint, joint_name},
     math::rotation_vector,
 };
 
@@ -22,13 +22,13 @@ pub struct MapSeries {
 }
 
 impl Editor {
-    /// Returns what layers do to the handle that keys act on.
+    /// Returns what layers do to the joint of the selected key; while none is listed, to the handle that keys act on.
     pub fn map_series(&self) -> MapSeries {
         let solved = self.document.solved();
         let clip = &solved.clip;
         let displaced = &solved.posed.of_clip;
         let n_frames = clip.n_frames();
-        let handle = self.view.joints.active;
+        let handle = self.charted();
         let title = super::joints::name(clip, handle);
         let (values, names, unit): (Vec<DVec3>, _, _) = match handle {
             Handle::Position => {
@@ -42,14 +42,25 @@ impl Editor {
                 let turn = |frame: usize| match (turned, carrier_turns.get(frame)) {
                     (Some(turned), _) => clip.rotations(frame)[id.idx()].conjugate() * turned.rotations[frame],
                     (None, Some(&turn)) => turn,
-                    (None, None) => glam::DQuat::IDENTITY,
+                    (None, None) => DQuat::IDENTITY,
                 };
-                let degrees = |frame| rotation_vector(turn(frame)).map(f64::to_degrees);
+                let short_way = |turn: DQuat| if turn.w < 0.0 { -turn } else { turn };
+                let degrees = |frame| rotation_vector(short_way(turn(frame))).map(f64::to_degrees);
                 ((0..n_frames).map(degrees).collect(), ["x", "y", "z"], "°".to_owned())
             }
         };
         let values = [0, 1, 2].map(|axis| values.iter().map(|value| value[axis]).collect());
         MapSeries { title, names, values, unit }
+    }
+
+    fn charted(&self) -> Handle {
+        let tab_idx = TABS.iter().position(|&tab| tab == Tab::Maps).expect("the tab is in the list");
+        let rows = panel::rows_of(self, Tab::Maps);
+        let row = rows.get(self.view.rows[tab_idx].min(rows.len().saturating_sub(1)));
+        match row.map(|row| row.kind) {
+            Some(RowKind::MapPoint { handle, .. }) => handle,
+            _ => self.view.joints.active,
+        }
     }
 
     /// Returns the maps that key commands act on: those selected, or of the handle that keys act on when none is.
@@ -70,8 +81,13 @@ impl Editor {
 pub(super) fn rows(editor: &Editor) -> Vec<Row> {
     let Some(layer) = editor.document.edits().layers.get(editor.view.layer_idx) else { return Vec::new() };
     let points = layer.map_points(&editor.map_selection()).into_iter().enumerate();
+    let skeleton = &editor.document.solved().clip.skeleton;
+    let handle = |value: &PointValue| match value {
+        PointValue::Position(_) => Handle::Position,
+        PointValue::Rotation(name, _) => find_joint(skeleton, name).map_or(editor.view.joints.active, Handle::Joint),
+    };
     let row = |(point_idx, point): (usize, MapPoint)| Row {
-        kind: RowKind::MapPoint { point_idx, frame: point.frame },
+        kind: RowKind::MapPoint { point_idx, frame: point.frame, handle: handle(&point.value) },
         label: format!("{:>5} {}", point.frame, point.value.map_name()),
         value: point.value.to_string(),
         unit: "",

@@ -144,6 +144,8 @@ pub enum RowKind {
         point_idx: usize,
         /// File frame.
         frame: usize,
+        /// What it moves.
+        handle: Handle,
     },
     /// Something to read.
     Fact,
