@@ -9,7 +9,7 @@ use walkabout::{
         preview_main::{self, Mode},
     },
     cli::{self, Args, Verb},
-    editor::Editor,
+    editor::{Editor, Window},
 };
 
 fn main() -> ExitCode {
@@ -19,7 +19,11 @@ fn main() -> ExitCode {
             Ok((document, warnings)) => app::edit(Editor::new(document, warnings)),
             Err(failure) => cli::finish(Err(failure)),
         },
-        Some(Verb::Preview { headless }) => preview_main::run(if *headless { Mode::Headless } else { Mode::Window }),
+        Some(Verb::Preview { headless, second }) => preview_main::run(match (headless, second) {
+            (true, _) => Mode::Headless,
+            (false, true) => Mode::Window(Window::Second),
+            (false, false) => Mode::Window(Window::First),
+        }),
         Some(verb) => cli::run(verb),
     }
 }

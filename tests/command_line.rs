@@ -264,6 +264,7 @@ fn wrong_words_and_bad_files_are_refused_with_their_place() {
     refused(&["info", "--shape", "heart"], 2, "heart");
     refused(&["export"], 2, "--output");
     refused(&["render", "-o", "x.png", "--camera", "5"], 2, "5");
+    refused(&["render", "-o", "x.png", "--views", "3"], 2, "1, 2, 4");
     refused(&["render", "-o", "x.png", "--frame", "999999"], 2, "--frame");
     refused(&["dance", "--now"], 2, "--now");
     refused(&["--set", "a=b"], 2, "there is no parameter");
@@ -293,7 +294,15 @@ fn one_frame_renders_the_same_twice() {
     let first = picture("a.png", &["--frame", "100"]);
     assert_eq!(first, picture("b.png", &["--frame", "100"]));
     assert_ne!(first, picture("c.png", &["--frame", "200"]));
-    assert_ne!(first, picture("d.png", &["--frame", "100", "--camera", "4"]));
+    let top = picture("d.png", &["--frame", "100", "--camera", "4"]);
+    assert_ne!(first, top);
+    let project = folder.path().join("walk.toml");
+    std::fs::write(&project, "format = 1\n[view]\nlayout = 4\n[view.3]\nhide = [\"ground\"]\n").expect("written");
+    let four = picture("e.png", &[text(&project), "--frame", "100"]);
+    let asked = &["--frame", "100", "--views", "4", "--set", "view.3.hide=ground"];
+    assert_eq!(four, picture("f.png", asked), "the project's views, unless others are asked for");
+    assert_eq!(first, picture("g.png", &[text(&project), "--frame", "100", "--views", "1"]));
+    assert_eq!(top, picture("h.png", &[text(&project), "--frame", "100", "--camera", "4"]));
     for (idx, clip) in real_clips().iter().enumerate() {
         if clip.ends_with("cmu_02_01_walk.bvh") {
             let [rest, first] = ["0", "1"].map(|n| picture(&format!("rest{n}.png"), &[text(clip), "--frame", n]));

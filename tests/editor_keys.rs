@@ -5,10 +5,10 @@ use walkabout::{
     contact::{PlantEditMode, PlantMode},
     displace::{InterpolationKeys, PointValue, Selection},
     document::{self, Change, Document},
-    editor::{Editor, Effect, Handle, RowKind, TABS},
+    editor::{COMMANDS, Editor, Effect, Handle, RowKind, TABS, Window},
     link::check_scene,
     math::Rigid,
-    scene::{Ray, Role, Scene},
+    scene::{Object, Ray, Role, Scene},
     skeleton::JointId,
 };
 
@@ -266,6 +266,140 @@ fn every_drawn_object_can_be_hidden() {
         let scene = e.scene();
         assert_eq!(usize::from(scene.still == full.still && scene.now == full.now), same, "{keys} changes the picture");
     }
+}
+
+/// The views of the window in use: camera and hidden objects of each, the one in focus in brackets.
+fn views(e: &Editor) -> String {
+    let window = ["view", "second"][usize::from(e.window() == Window::Second)];
+    let text =
+        |name: String| document::show_value(&document::parameter(&name).expect("a row").get(e.document().edits()));
+    let views = e.scene().now.views;
+    let one = |n: usize| {
+        let (camera, hide) = (text(format!("{window}.{n}.camera")), text(format!("{window}.{n}.hide")));
+        let view = format!("{camera} {}", hide.replace(['"', ','], ""));
+        if views[n - 1].focused { format!("[{view}]") } else { view }
+    };
+    (1..=views.len()).map(one).collect::<Vec<_>>().join(" | ")
+}
+
+#[track_caller]
+fn check_views(keys: &str, expected: &str) {
+    let mut e = editor();
+    e.keys(keys);
+    assert_eq!(views(&e), expected, "after {keys}");
+    assert_eq!(e.document().depth(), (0, 0), "views are not history");
+}
+
+#[test]
+fn a_window_is_divided_and_the_focus_goes_round() {
+    check_views("", "1 []");
+    check_views("V2", "[1 []] | 2 []");
+    check_views("V4", "[1 []] | 2 [] | 3 [] | 4 []");
+    check_views("V4VnVn", "1 [] | 2 [] | [3 []] | 4 []");
+    check_views("V4VnVnVnVn", "[1 []] | 2 [] | 3 [] | 4 []");
+    check_views("V4VnVnVnV2", "1 [] | [2 []]");
+    check_views("V4VnV1", "1 []");
+    let mut e = editor();
+    e.keys("Vn");
+    assert!(message(&e).starts_with("Vn does nothing"), "{}", message(&e));
+    e.keys("V2Vn");
+    assert_eq!(message(&e), "view 2");
+}
+
+#[test]
+fn cameras_are_those_of_the_view_in_focus() {
+    check_views("3", "3 []");
+    check_views("V2Vn4", "1 [] | [4 []]");
+    let mut e = editor();
+    e.keys("V4Vn");
+    let eyes = |e: &Editor| e.scene().now.views.iter().map(|v| v.camera.eye).collect::<Vec<_>>();
+    for keys in ["L", "<a-left>", ")", "o", "f", "."] {
+        let before = e.scene().now.views;
+        e.keys(keys);
+        let after = e.scene().now.views;
+        let changed: Vec<_> = (0..4).filter(|&n| before[n] != after[n]).collect();
+        // A frame later only the camera that follows is elsewhere.
+        assert_eq!(changed, [1], "{keys}");
+    }
+    let other = eyes(&e)[2];
+    e.keys("3");
+    assert_eq!(eyes(&e)[1], other, "two views may share a camera");
+    e.keys("Vn)");
+    assert_eq!(eyes(&e)[1], eyes(&e)[2], "and then both see it move");
+}
+
+#[test]
+fn a_view_hides_and_shows_for_itself() {
+    check_views("V4Vnvg", "1 [] | [2 [ground]] | 3 [] | 4 []");
+    check_views("V4Vnvgvovg", "1 [] | [2 [original_skeleton]] | 3 [] | 4 []");
+    // Traces are drawn nowhere at first: they come into this view, and into no other.
+    check_views("V2Vnvr", "1 [traces] | [2 []]");
+    check_views("V2VnvrVnvr", "[1 []] | 2 []");
+    let mut e = editor();
+    e.keys("V2Vnvg");
+    assert_eq!(message(&e), "view.2 hides ground");
+    let shows = |e: &Editor, object| e.scene().now.views.iter().map(|v| v.shows.contains(object)).collect::<Vec<_>>();
+    assert_eq!(shows(&e, Object::Ground), [true, false]);
+    assert!(e.document().edits().view.show.ground);
+    e.keys("VnV1vg");
+    assert!(!e.document().edits().view.show.ground, "one view shows what show.* says");
+    e.keys("vgVnV2V1");
+    assert_eq!(shows(&e, Object::Ground), [true]);
+}
+
+#[test]
+fn every_drawn_object_can_be_hidden_in_a_view() {
+    for command in COMMANDS.iter().filter(|c| c.name.starts_with("show.")) {
+        let mut e = editor();
+        e.keys(&format!("V4VnVn{}", command.keys[0]));
+        let shows: Vec<_> = e.scene().now.views.iter().map(|v| v.shows).collect();
+        let (changed, others) = (shows[2], [shows[0], shows[1], shows[3]]);
+        assert!(others.iter().all(|other| *other == others[0]) && changed != others[0], "{}: {shows:?}", command.name);
+        let still = e.scene().still;
+        e.keys("V1");
+        assert!(std::sync::Arc::ptr_eq(&still, &e.scene().still), "views are no part of it");
+    }
+}
+
+#[test]
+fn each_window_has_views_of_its_own() {
+    let mut e = editor();
+    e.keys("V4Vn");
+    e.use_window(Window::Second);
+    assert_eq!(views(&e), "1 []");
+    assert_eq!(e.view_in_focus(), "second window ");
+    e.keys("V23vt");
+    assert_eq!(views(&e), "[3 [new_tracker]] | 2 []");
+    e.focus_view(1);
+    e.focus_view(3);
+    assert_eq!(e.view_in_focus(), "second window view 2 ", "there is no fourth view");
+    let camera = |e: &Editor, window| e.scene_in(window).now.views[1].camera;
+    let before = camera(&e, Window::First);
+    e.wheel(3);
+    assert_ne!(camera(&e, Window::Second).eye, before.eye, "the wheel zooms");
+    e.use_window(Window::First);
+    assert_eq!(views(&e), "1 [] | [2 []] | 3 [] | 4 []");
+    e.keys("x");
+    let seen = |window| e.scene_in(window);
+    assert!(std::sync::Arc::ptr_eq(&seen(Window::First).still, &seen(Window::Second).still), "both follow edits");
+    assert_eq!(seen(Window::First).now.actors, seen(Window::Second).now.actors);
+    assert_eq!(e.keys("Vw"), Effect::ToggleSecondWindow);
+    assert_eq!(e.keys("w"), Effect::ToggleWindow);
+}
+
+#[test]
+fn two_views_side_by_side_hold_the_whole_motion_though_each_is_narrow() {
+    let mut e = editor();
+    // The widest path, seen from the front.
+    e.keys("scV22");
+    let distance = |e: &Editor| {
+        let camera = e.scene().now.views[0].camera;
+        camera.eye.distance(camera.target)
+    };
+    let narrow = distance(&e);
+    e.keys("V4");
+    let wide = distance(&e);
+    assert!(narrow > 1.5 * wide, "{narrow} and {wide}");
 }
 
 #[test]
@@ -653,6 +787,11 @@ fn a_click_on_a_joint_toggles_the_chain_from_it_to_the_root() {
     e.press(&hidden, &ray);
     e.release();
     assert_eq!(e.view().joints.selected.len(), 5, "what is not seen is not clicked on");
+    e.keys("vnV2vn");
+    let scene = e.scene();
+    e.press(&scene, &ray_to(&scene, 0, 0.0));
+    e.release();
+    assert_eq!(e.view().joints.selected.len(), 5, "nor what this view hides");
 }
 
 /// An editor with the joints tab in use, after keys.

@@ -3,6 +3,8 @@
 //! No test here has a display, so no window opens. Tests of the picture in the terminal need a Vulkan driver; without one
 //! they are skipped with a loud line, and fail where `CI` is set or `VK_DRIVER_FILES` names a driver.
 
+#[path = "pty/children.rs"]
+mod children;
 mod pty;
 
 use std::{
@@ -13,9 +15,10 @@ use std::{
     time::{Duration, Instant},
 };
 
+use children::{await_gone, previews_of};
 use portable_pty::CommandBuilder;
 use pty::{Host, PATIENCE, assert_ends_within_two_seconds};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Signal, kill_process};
 use vt100::Color;
 
 const BINARY: &str = env!("CARGO_BIN_EXE_walkabout");
@@ -83,32 +86,6 @@ fn colours(screen: &vt100::Screen) -> HashSet<String> {
     let cells = (0..rows.get()).flat_map(|row| (0..columns.get()).map(move |column| (row, column)));
     let colours = cells.filter_map(|(row, column)| screen.cell(row, column)).flat_map(|c| [c.fgcolor(), c.bgcolor()]);
     colours.filter(|colour| *colour != Color::Default).map(|colour| format!("{colour:?}")).collect()
-}
-
-/// Returns the previews that a process has started and not reaped.
-fn previews_of(parent: Pid) -> Vec<Pid> {
-    let processes = fs::read_dir("/proc").expect("the list of processes").filter_map(|entry| {
-        let pid: i32 = entry.ok()?.file_name().to_str()?.parse().ok()?;
-        let (_, its_parent) = state_and_parent(pid)?;
-        (its_parent == parent.as_raw_nonzero().get()).then(|| Pid::from_raw(pid))?
-    });
-    processes.collect()
-}
-
-fn state_and_parent(pid: i32) -> Option<(String, i32)> {
-    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // The name in parentheses may hold anything.
-    let mut words = stat.rsplit_once(')')?.1.split_whitespace();
-    Some((words.next()?.to_owned(), words.next()?.parse().ok()?))
-}
-
-/// Waits until a process runs no more; whether anybody has reaped it is not ours to say.
-fn await_gone(pid: Pid) {
-    let waited = Instant::now();
-    while state_and_parent(pid.as_raw_nonzero().get()).is_some_and(|(state, _)| state != "Z") {
-        assert!(waited.elapsed() < PATIENCE, "process {pid:?} stays");
-        thread::sleep(Duration::from_millis(5));
-    }
 }
 
 #[track_caller]
@@ -313,6 +290,23 @@ fn the_picture_comes_to_the_terminal_once_and_goes() {
     host.await_that("the plan", |screen| half_blocks(screen) == 0 && dotted(screen) > 20);
     previews.into_iter().for_each(await_gone);
     assert_leaves(host, b"q");
+}
+
+#[test]
+fn the_picture_in_the_terminal_has_the_window_s_views() {
+    let Some(mut host) = with_picture() else { return };
+    // Of two views side by side in 72 cells the gap is the 36th: dark from top to bottom, as nothing beside it is.
+    let gap = |screen: &vt100::Screen| {
+        let colour = |row, column| screen.cell(row, column).map(|cell| (cell.fgcolor(), cell.bgcolor()));
+        let dark = colour(5, 35);
+        (5..30).all(|row| colour(row, 35) == dark && colour(row, 34) != dark && colour(row, 36) != dark)
+    };
+    assert!(!host.on_screen(gap));
+    host.send(b"V2");
+    host.await_that("two views", gap);
+    host.send(b"V1");
+    host.await_that("one view", |screen| !gap(screen));
+    assert_leaves(host, b"qy");
 }
 
 #[test]

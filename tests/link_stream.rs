@@ -78,6 +78,7 @@ fn events() -> Vec<FromPreview> {
         FromPreview::Key(Key { code: Code::Left, ctrl: true, alt: false, shift: true }),
         FromPreview::Pick(ray),
         FromPreview::Drag(ray),
+        FromPreview::Wheel { view: 3, steps: -2 },
         FromPreview::Release,
         FromPreview::Frame(Picture { width: 16, height: 9, rgb }),
         FromPreview::Failed("no driver".to_owned()),

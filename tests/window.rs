@@ -7,6 +7,7 @@
 
 #[cfg(target_os = "linux")]
 #[path = "window/desktop.rs"]
+#[allow(dead_code, reason = "the test of two windows uses the rest")]
 mod desktop;
 #[cfg(target_os = "linux")]
 #[path = "window/preview.rs"]
@@ -155,6 +156,12 @@ mod tests {
         preview.expect("drag");
         window.button(false);
         preview.expect("release");
+
+        // Of a button that is no wheel's axis, which is all that a test has, winit tells both press and release.
+        for (away, told) in [(true, "wheel 1 in view 0"), (false, "wheel -1 in view 0")] {
+            window.wheel(away);
+            assert_eq!([preview.expect("wheel"), preview.expect("wheel")], [told, told]);
+        }
 
         window.close();
         preview.expect("closed");

@@ -15,7 +15,7 @@ use std::{
 };
 
 use crate::{
-    editor::{Editor, Effect, Message},
+    editor::{Editor, Effect, Message, Window},
     scene::{FromPreview, Picture, Scene},
     tui::{self, InputEvent, InputThread, Palette, Screen, Surroundings, Terminal},
 };
@@ -42,10 +42,10 @@ enum Event {
     Panicked,
 }
 
-/// The two kinds of preview.
+/// The kinds of preview.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    Window,
+    Window(Window),
     /// A pane has a number, because one that was closed may have events under way when the next one is open.
     Pane(u32),
 }
@@ -76,9 +76,12 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
     let terminal = Terminal::take(screen.clone())?;
     let _input = InputThread::start(screen, forward(&sender, Event::Input))?;
     let mut app = App::new(editor, terminal, sender);
-    app.open_window_if_possible();
+    if let Err(why) = app.open_window(Window::First) {
+        app.window_line = why;
+    }
     // Drawing fails only when the terminal is gone.
     let status = app.run(&events).unwrap_or(HANGUP_STATUS);
+    app.close_previews();
     let App { editor, terminal, .. } = app;
     drop(terminal);
     if status != 0 {
@@ -118,18 +121,36 @@ struct App {
     terminal: Terminal,
     palette: Palette,
     sender: Sender<Event>,
-    window: Option<Preview>,
-    /// One line about the window: what draws it, or why there is none.
+    /// The windows that are open, by [`Window`].
+    windows: [Option<Shown>; 2],
+    /// One line about the first window: what draws it, or why there is none.
     window_line: String,
-    pane: Option<Preview>,
+    pane: Option<Shown>,
     /// The number of the pane that is open, or of the next one.
     pane_number: u32,
     /// The pane's newest picture, and the size it was asked for.
     picture: Option<Picture>,
     pane_size: (u32, u32),
-    /// The scene the previews were given last; none when one of them has yet to be given its first.
-    given: Option<Scene>,
     frame: Duration,
+}
+
+/// A preview and what it has to show.
+struct Shown {
+    preview: Preview,
+    /// The scene it was given last.
+    given: Option<Scene>,
+}
+
+impl Shown {
+    /// Hands a scene over, if it is not the one the preview has: it draws what it is given, and a picture of the pane
+    /// comes back as an event.
+    fn show(&mut self, scene: &Scene) {
+        let is_given = |given: &Scene| given.still.revision == scene.still.revision && given.now == scene.now;
+        if !self.given.as_ref().is_some_and(is_given) {
+            self.preview.show(scene.clone());
+            self.given = Some(scene.clone());
+        }
+    }
 }
 
 impl App {
@@ -140,13 +161,12 @@ impl App {
             terminal,
             palette: Palette::new(tui::Depth::from_env()),
             sender,
-            window: None,
+            windows: [None, None],
             window_line: String::new(),
             pane: None,
             pane_number: 0,
             picture: None,
             pane_size: (0, 0),
-            given: None,
             frame: if over_ssh { FRAME_OVER_SSH } else { FRAME },
         }
     }
@@ -187,9 +207,14 @@ impl App {
 
     fn act(&mut self, event: Event) -> io::Result<Next> {
         match event {
-            Event::Input(InputEvent::Key(key)) | Event::Preview(_, FromPreview::Key(key)) => {
+            Event::Input(InputEvent::Key(key)) => {
                 let effect = self.editor.key(key);
-                return self.effect(effect);
+                return self.effect(effect, None);
+            }
+            Event::Preview(Kind::Window(window), FromPreview::Key(key)) => {
+                self.editor.use_window(window);
+                let effect = self.editor.key(key);
+                return self.effect(effect, Some(window));
             }
             Event::Input(InputEvent::Paste(text)) => self.editor.paste(&text),
             Event::Input(InputEvent::Resize(..)) => self.terminal.forget()?,
@@ -203,12 +228,14 @@ impl App {
         Ok(Next::Go)
     }
 
-    fn effect(&mut self, effect: Effect) -> io::Result<Next> {
+    /// Does what the editor asks for; `pressed_in` is the window that the key was pressed in, none for the terminal.
+    fn effect(&mut self, effect: Effect, pressed_in: Option<Window>) -> io::Result<Next> {
         match effect {
             Effect::None => {}
             Effect::Quit => return Ok(Next::Leave(0)),
             Effect::Suspend => self.suspend(),
-            Effect::ToggleWindow => self.toggle_window(),
+            Effect::ToggleWindow => self.toggle_window(pressed_in.unwrap_or(Window::First)),
+            Effect::ToggleSecondWindow => self.toggle_window(Window::Second),
             Effect::TogglePane => self.toggle_pane(),
             Effect::Redraw => self.terminal.forget()?,
         }
@@ -227,17 +254,15 @@ impl App {
             return;
         }
         match (kind, event) {
-            (Kind::Window, FromPreview::Ready { device, driver }) => {
+            (Kind::Window(Window::First), FromPreview::Ready { device, driver }) => {
                 self.window_line = format!("window: {device}, {driver}");
             }
             (Kind::Pane(_), FromPreview::Frame(picture)) => self.picture = Some(picture),
-            (Kind::Window, FromPreview::Closed) => {
-                self.window = None;
-                self.window_line = "window closed; w opens it".to_owned();
+            (Kind::Window(window), FromPreview::Closed) => {
+                self.window_is_gone(window, "window closed; w opens it".to_owned());
             }
-            (Kind::Window, FromPreview::Failed(why)) => {
-                self.window = None;
-                self.window_line = why.clone();
+            (Kind::Window(window), FromPreview::Failed(why)) => {
+                self.window_is_gone(window, why.clone());
                 self.editor.say(Message::warning(why));
             }
             (Kind::Pane(_), FromPreview::Closed) => self.close_pane(),
@@ -245,47 +270,61 @@ impl App {
                 self.close_pane();
                 self.editor.say(Message::warning(why));
             }
-            (_, FromPreview::Pick(ray)) => {
-                // What was clicked on is what the preview was given.
-                if let Some(scene) = &self.given {
+            (Kind::Window(window), FromPreview::Pick(ray)) => {
+                self.editor.use_window(window);
+                self.editor.focus_view(ray.view as usize);
+                // What was clicked on is what the window was given.
+                if let Some(Shown { given: Some(scene), .. }) = &self.windows[window as usize] {
                     self.editor.press(scene, &ray);
                 }
             }
-            (_, FromPreview::Drag(ray)) => self.editor.drag(&ray),
-            (_, FromPreview::Release) => self.editor.release(),
-            // A window sends no frames.
+            (Kind::Window(window), FromPreview::Wheel { view, steps }) => {
+                self.editor.use_window(window);
+                self.editor.focus_view(view as usize);
+                self.editor.wheel(steps);
+            }
+            (Kind::Window(_), FromPreview::Drag(ray)) => self.editor.drag(&ray),
+            (Kind::Window(_), FromPreview::Release) => self.editor.release(),
+            // A window sends no frames, a pane nothing else.
+            (_, FromPreview::Pick(_) | FromPreview::Drag(_) | FromPreview::Release | FromPreview::Wheel { .. }) => {}
             (_, FromPreview::Key(_) | FromPreview::Ready { .. } | FromPreview::Frame(_)) => {}
         }
     }
 
-    fn open_window_if_possible(&mut self) {
-        match display_available() {
-            Ok(()) => self.open_window(),
-            Err(why) => self.window_line = why,
+    /// Forgets a window that has ended; keys act on the one that is left, else on the first.
+    fn window_is_gone(&mut self, window: Window, line: String) {
+        self.windows[window as usize] = None;
+        if window == Window::First {
+            self.window_line = line;
+        }
+        if self.editor.window() == window {
+            let left = Window::BOTH.into_iter().find(|other| self.windows[*other as usize].is_some());
+            self.editor.use_window(left.unwrap_or(Window::First));
         }
     }
 
-    fn open_window(&mut self) {
-        self.window_line = "window: opening".to_owned();
-        match self.start(Kind::Window, PreviewProgram::window()) {
-            Ok(preview) => self.window = Some(preview),
-            Err(why) => self.window_line = why,
+    /// Opens a window; the error is one line that says why there is none.
+    fn open_window(&mut self, window: Window) -> Result<(), String> {
+        display_available()?;
+        let shown = self.start(Kind::Window(window), PreviewProgram::window(window))?;
+        self.windows[window as usize] = Some(shown);
+        if window == Window::First {
+            self.window_line = "window: opening".to_owned();
         }
+        Ok(())
     }
 
-    fn toggle_window(&mut self) {
-        match self.window.take() {
+    fn toggle_window(&mut self, window: Window) {
+        match &self.windows[window as usize] {
             // It ends by itself; its last event tells so.
-            Some(preview) => {
-                preview.close();
-                self.window = Some(preview);
-            }
-            None => {
-                self.open_window_if_possible();
-                if self.window.is_none() {
-                    self.editor.say(Message::warning(self.window_line.clone()));
+            Some(shown) => shown.preview.close(),
+            None => match self.open_window(window) {
+                Ok(()) => self.editor.use_window(window),
+                Err(why) => {
+                    self.window_is_gone(window, why.clone());
+                    self.editor.say(Message::warning(why));
                 }
-            }
+            },
         }
     }
 
@@ -294,7 +333,7 @@ impl App {
             self.close_pane();
         } else {
             match self.start(Kind::Pane(self.pane_number), PreviewProgram::headless()) {
-                Ok(preview) => self.pane = Some(preview),
+                Ok(shown) => self.pane = Some(shown),
                 Err(why) => self.editor.say(Message::warning(why)),
             }
         }
@@ -307,19 +346,25 @@ impl App {
         self.pane_size = (0, 0);
     }
 
-    fn start(&mut self, kind: Kind, program: io::Result<PreviewProgram>) -> Result<Preview, String> {
-        let program = program.map_err(|e| format!("no preview: {e}"))?;
-        self.given = None;
-        let sender = self.sender.clone();
-        Preview::start(&program, move |event| {
-            // Nobody listens any more only when the editor is leaving.
-            let _ = sender.send(Event::Preview(kind, event));
-        })
-        .map_err(|e| format!("no preview: {e}"))
+    /// Asks all previews to close, so that dropping them waits for all at once.
+    fn close_previews(&self) {
+        for shown in self.windows.iter().chain([&self.pane]).flatten() {
+            shown.preview.close();
+        }
     }
 
-    /// Draws the terminal and hands the scene to the previews, if it is not the one they have: a preview draws what it
-    /// is given, and its picture comes back here as an event.
+    fn start(&self, kind: Kind, program: io::Result<PreviewProgram>) -> Result<Shown, String> {
+        let program = program.map_err(|e| format!("no preview: {e}"))?;
+        let sender = self.sender.clone();
+        let preview = Preview::start(&program, move |event| {
+            // Nobody listens any more only when the editor is leaving.
+            let _ = sender.send(Event::Preview(kind, event));
+        });
+        Ok(Shown { preview: preview.map_err(|e| format!("no preview: {e}"))?, given: None })
+    }
+
+    /// Draws the terminal and hands each preview its scene: a window that of its own views, the pane that of the window
+    /// in use.
     fn show(&mut self) -> io::Result<()> {
         let scene = self.editor.scene();
         let surroundings = Surroundings {
@@ -330,20 +375,17 @@ impl App {
         };
         let mut view_size = (0, 0);
         self.terminal.draw(|frame| view_size = tui::draw(frame, &self.editor, &scene, &surroundings))?;
-        if let Some(pane) = &self.pane
-            && self.pane_size != view_size
-            && view_size.0 > 0
-            && view_size.1 > 0
-        {
-            self.pane_size = view_size;
-            pane.resize(view_size.0, view_size.1);
-        }
-        let is_given = |given: &Scene| given.still.revision == scene.still.revision && given.now == scene.now;
-        if !self.given.as_ref().is_some_and(is_given) {
-            for preview in [&self.pane, &self.window].into_iter().flatten() {
-                preview.show(scene.clone());
+        if let Some(pane) = &mut self.pane {
+            if self.pane_size != view_size && view_size.0 > 0 && view_size.1 > 0 {
+                self.pane_size = view_size;
+                pane.preview.resize(view_size.0, view_size.1);
             }
-            self.given = Some(scene);
+            pane.show(&scene);
+        }
+        for (window, shown) in Window::BOTH.into_iter().zip(&mut self.windows) {
+            if let Some(shown) = shown {
+                shown.show(&self.editor.scene_in(window));
+            }
         }
         Ok(())
     }

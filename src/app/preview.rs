@@ -27,6 +27,7 @@ use std::{
 use rustix::process::{Pid, Signal, kill_process_group};
 
 use crate::{
+    editor::Window,
     link::{self, EventReader, MAX_PICTURE, SceneWriter, one_line},
     scene::{FromPreview, Scene, ToPreview},
     sync::Mailbox,
@@ -62,8 +63,12 @@ impl PreviewProgram {
     /// # Errors
     ///
     /// When the system does not know what program this is.
-    pub fn window() -> io::Result<Self> {
-        Ok(Self { program: this_program()?, args: vec!["preview".into()] })
+    pub fn window(window: Window) -> io::Result<Self> {
+        let args = match window {
+            Window::First => vec!["preview".into()],
+            Window::Second => vec!["preview".into(), "--second".into()],
+        };
+        Ok(Self { program: this_program()?, args })
     }
 
     /// Names this very program as a preview without a window, which sends its pictures back.

@@ -20,6 +20,7 @@ use std::{
 use rustix::process::{Signal, getpid, kill_process};
 
 use crate::{
+    editor::Window,
     link::{self, EventWriter, SceneReader, one_line},
     scene::{FromPreview, ToPreview},
     sync::Mailbox,
@@ -40,7 +41,7 @@ const EVENTS: usize = 1024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// A window.
-    Window,
+    Window(Window),
     /// Pictures that go back over the link.
     Headless,
 }
@@ -82,13 +83,17 @@ fn serve(mode: Mode, input: File, output: File) -> ExitCode {
         event => pass_on(&events, event),
     };
     let broken = match mode {
-        Mode::Window => {
+        Mode::Window(which) => {
+            let title = match which {
+                Window::First => "walkabout",
+                Window::Second => "walkabout, second window",
+            };
             let scenes = Mailbox::default();
             let broken = read_into(scenes.clone(), input, |message| match message {
                 ToPreview::Scene(scene) => Some(scene),
                 ToPreview::Size { .. } | ToPreview::Close => None,
             });
-            window::run("walkabout", &options, &scenes, on_event);
+            window::run(title, &options, &scenes, on_event);
             broken
         }
         Mode::Headless => {

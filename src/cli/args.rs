@@ -47,9 +47,12 @@ pub struct Picture {
     /// Frame, counted in what would be exported; default: the first after the rest frames.
     #[arg(long, value_name = "N")]
     pub frame: Option<usize>,
-    /// Camera preset.
-    #[arg(long, value_name = "1..4", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
-    pub camera: u8,
+    /// Views: one, two side by side, four in a square; default: as the project has them (view.layout).
+    #[arg(long, value_name = "1|2|4")]
+    pub views: Option<u8>,
+    /// Camera preset of the first view, which is the only one unless --views says otherwise.
+    #[arg(long, value_name = "1..4", value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub camera: Option<u8>,
     /// Size in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: (u32, u32),
@@ -131,6 +134,9 @@ pub enum Verb {
         /// Sends frames in place of opening a window.
         #[arg(long)]
         headless: bool,
+        /// Opens the second window.
+        #[arg(long, conflicts_with = "headless")]
+        second: bool,
     },
 }
 

@@ -15,7 +15,7 @@ use crate::{
 
 pub(super) fn run(clip: &Clip, output: &Output, picture: &Picture) -> Result<(), Failure> {
     super::check_free(&output.output, output.force)?;
-    let document = super::open_loudly(clip)?;
+    let document = super::open_loudly(&with_views(clip, picture))?;
     let n_frames = document.solved().n_shown_frames();
     let frame = picture.frame.unwrap_or(document.solved().clip.rest_frames());
     if frame >= n_frames {
@@ -23,11 +23,26 @@ pub(super) fn run(clip: &Clip, output: &Output, picture: &Picture) -> Result<(),
     }
     let mut editor = Editor::new(document, Vec::new());
     editor.show_exported_frame(frame);
-    editor.use_camera(usize::from(picture.camera) - 1);
     let (width, height) = picture.size;
-    let rendered = Renderer::new(&RendererOptions::default())?.render(&editor.scene(), width, height)?;
+    let mut scene = editor.scene();
+    // No key is pressed in a picture.
+    scene.now.views.iter_mut().for_each(|view| view.focused = false);
+    let rendered = Renderer::new(&RendererOptions::default())?.render(&scene, width, height)?;
     write_file(&output.output, &png_bytes(&rendered)?)?;
     Ok(())
+}
+
+/// Returns what to open with the views asked for: they are parameters like others.
+fn with_views(clip: &Clip, picture: &Picture) -> Clip {
+    let mut clip = clip.clone();
+    // Who asks for a camera and no more wants to see through that one alone.
+    if let Some(layout) = picture.views.or(picture.camera.map(|_| 1)) {
+        clip.set.push(format!("view.layout={layout}"));
+    }
+    if let Some(camera) = picture.camera {
+        clip.set.push(format!("view.1.camera={camera}"));
+    }
+    clip
 }
 
 /// Encodes a picture as PNG.

@@ -185,13 +185,39 @@ pub enum Axes {
     Own,
 }
 
-/// `show.*` and `camera.*`.
+/// `show.*`, `camera.*`, `view.*` and `second.*`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewEdits {
     /// What is drawn.
     pub show: Show,
     /// The four camera presets.
     pub cameras: [CameraEdits; 4],
+    /// How the preview's window and its second window are divided.
+    pub windows: [WindowEdits; 2],
+}
+
+/// `view.*`, and `second.*` for the second window: into which views a window is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WindowEdits {
+    /// How many of `views` it shows: 1, 2 or 4.
+    pub layout: usize,
+    /// Its views, those that are not shown too.
+    pub views: [OneViewEdits; 4],
+}
+
+impl Default for WindowEdits {
+    fn default() -> Self {
+        Self { layout: 1, views: [0, 1, 2, 3].map(|camera_idx| OneViewEdits { camera_idx, shows: Show::ALL }) }
+    }
+}
+
+/// `view.N.*`: one view of a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OneViewEdits {
+    /// Camera preset it is seen from, 0 to 3.
+    pub camera_idx: usize,
+    /// What it shows of what `show.*` draws; what it does not is its `hide`. Counts in a window of several views.
+    pub shows: Show,
 }
 
 /// `show.*`: each drawn object, on or off.
@@ -223,6 +249,25 @@ pub struct Show {
     pub normal_skeleton: bool,
     /// Names in the picture.
     pub labels: bool,
+}
+
+impl Show {
+    /// Everything.
+    pub const ALL: Self = Self {
+        original_skeleton: true,
+        new_skeleton: true,
+        original_path: true,
+        new_path: true,
+        control_points: true,
+        original_tracker: true,
+        new_tracker: true,
+        ground: true,
+        footprints: true,
+        traces: true,
+        labels: true,
+        wireframe: true,
+        normal_skeleton: true,
+    };
 }
 
 impl Default for Show {

@@ -29,8 +29,8 @@ use std::{path::Path, path::PathBuf, sync::Arc};
 pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
 pub use edits::{
-    Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OriginalEdits, PathEdits, PlantsEdits, PoseEdits,
-    ProjectionKind, ResidualEdits, Show, TimingEdits, ViewEdits,
+    Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OneViewEdits, OriginalEdits, PathEdits, PlantsEdits,
+    PoseEdits, ProjectionKind, ResidualEdits, Show, TimingEdits, ViewEdits, WindowEdits,
 };
 pub use feet::{Feet, FoundFeet};
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};

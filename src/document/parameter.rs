@@ -5,7 +5,7 @@
 use glam::DVec3;
 use toml::Value;
 
-use super::{Edits, entries};
+use super::{Edits, entries, table::objects};
 pub use crate::path::MAX_POINTS;
 use crate::{displace::Layer, motion::LegNames};
 
@@ -27,6 +27,8 @@ pub enum Kind {
         /// Whether the word `auto` is a value.
         auto: bool,
     },
+    /// One of these numbers.
+    OneOf(&'static [i64]),
     /// A real number in a range.
     Real {
         /// Smallest value.
@@ -44,6 +46,8 @@ pub enum Kind {
     Points,
     /// A list of legs `[{ side, hip, knee, ankle, toe }, …]`, or `auto`.
     Legs,
+    /// A list of drawn objects by their names under `show`, or one name alone.
+    Objects,
     /// A list of plants edited by hand `[{ foot, first, last, mode }, …]`, or `auto`.
     Plants,
     /// A list of displacement maps `[{ name, on, weight, interpolation, merged, position, rotation }, …]`, or `auto`.
@@ -167,6 +171,10 @@ impl Parameter {
                 let next = (at + n.signum()).rem_euclid(words.len() as i64);
                 Some(word(words[next as usize]))
             }
+            Kind::OneOf(numbers) => {
+                let at = numbers.iter().position(|m| Some(*m) == now.as_integer())? as i64;
+                Some(Value::Integer(numbers[(at + n.signum()).rem_euclid(numbers.len() as i64) as usize]))
+            }
             Kind::Count { min, max, step, auto } => {
                 let Some(now) = now.as_integer() else { return Some(Value::Integer(min)) };
                 let next = now + n * if big { 10 * step } else { step };
@@ -181,7 +189,14 @@ impl Parameter {
                 // Steps print as they are meant: 0.30000000000000004 is 0.3.
                 Some(Value::Float(round_to_digits(next, 9).clamp(min, max)))
             }
-            Kind::Joint | Kind::Vector | Kind::Points | Kind::Legs | Kind::Plants | Kind::Layers | Kind::Frames => None,
+            Kind::Joint
+            | Kind::Vector
+            | Kind::Points
+            | Kind::Legs
+            | Kind::Objects
+            | Kind::Plants
+            | Kind::Layers
+            | Kind::Frames => None,
         }
     }
 
@@ -189,6 +204,7 @@ impl Parameter {
     pub fn display(&self, edits: &Edits) -> String {
         match self.get(edits) {
             Value::Array(items) if self.kind == Kind::Points => format!("{} points", items.len()),
+            Value::Array(items) if self.kind == Kind::Objects && items.is_empty() => "nothing".to_owned(),
             Value::Array(items) if self.kind == Kind::Legs => format!("{} named", items.len()),
             Value::Array(items) if self.kind == Kind::Layers => format!("{} layers", items.len()),
             Value::Boolean(on) => (if on { "on" } else { "off" }).to_owned(),
@@ -218,6 +234,10 @@ impl Kind {
                 let n = as_number(value).filter(|n| n.fract() == 0.0)?;
                 (min as f64 <= n && n <= max as f64).then_some(Value::Integer(n as i64))
             }
+            Self::OneOf(numbers) => {
+                let n = as_number(value)?;
+                numbers.iter().find(|m| **m as f64 == n).map(|m| Value::Integer(*m))
+            }
             Self::Real { min, max, .. } => as_number(value).filter(|n| (min..=max).contains(n)).map(Value::Float),
             Self::Joint => value.as_str().filter(|s| !s.is_empty()).map(word),
             Self::Vector | Self::Points | Self::Legs | Self::Plants | Self::Layers if auto => Some(word("auto")),
@@ -226,6 +246,12 @@ impl Kind {
                 let points: Option<Vec<_>> = value.as_array()?.iter().map(as_vector).collect();
                 let points = points.filter(|p| (2..=MAX_POINTS).contains(&p.len()))?;
                 Some(Value::Array(points.into_iter().map(vector).collect()))
+            }
+            Self::Objects => {
+                let alone = [value.clone()];
+                let names = value.as_array().map_or(&alone[..], Vec::as_slice);
+                let known = |name: &Value| objects().any(|object| Some(object) == name.as_str());
+                names.iter().all(known).then(|| Value::Array(names.to_vec()))
             }
             Self::Legs => entries::read::<LegNames>(value.as_array()?).ok().map(|legs| entries::value(&legs)),
             Self::Plants => entries::read_plants(value.as_array()?).ok().map(|plants| entries::value(&plants)),
@@ -246,11 +272,13 @@ impl Kind {
             Self::Count { min, max, auto, .. } => {
                 format!("a whole number from {min} to {max}{}", if auto { " or auto" } else { "" })
             }
+            Self::OneOf(numbers) => numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
             Self::Real { min, max, .. } => format!("a number from {min} to {max}"),
             Self::Joint => "a joint's name or auto".to_owned(),
             Self::Vector => "[x, y, z] or auto".to_owned(),
             Self::Points => format!("a list of 2 to {MAX_POINTS} points [[x, y, z], …] or auto"),
             Self::Legs => "a list of legs [{ side, hip, knee, ankle, toe }, …] or auto".to_owned(),
+            Self::Objects => "a list of names under show., e.g. [\"ground\", \"traces\"]".to_owned(),
             Self::Plants => "a list of plants [{ foot, first, last, mode }, …] or auto".to_owned(),
             Self::Layers => {
                 "a list of layers [{ name, on, weight, interpolation, merged, position, rotation }, …] or auto"
@@ -281,7 +309,11 @@ pub fn show_value(value: &Value) -> String {
         Value::String(s) => s.clone(),
         Value::Float(f) => show_number(*f),
         Value::Table(entry) => entries::inline(entry),
-        Value::Array(items) => format!("[{}]", items.iter().map(show_value).collect::<Vec<_>>().join(", ")),
+        // Texts alone need no quotes; in a list they are written as they are read.
+        Value::Array(items) => {
+            let text = |item: &Value| if item.is_str() { item.to_string() } else { show_value(item) };
+            format!("[{}]", items.iter().map(text).collect::<Vec<_>>().join(", "))
+        }
         other => other.to_string(),
     }
 }

@@ -251,6 +251,9 @@ mod tests {
         project.edits.path.control_points = Some((0..5).map(|i| DVec3::new(f64::from(i) / 3.0, 1e-7, -1e10)).collect());
         project.edits.path.points = 5;
         project.edits.view.show.ground = false;
+        project.edits.view.windows[0].layout = 4;
+        project.edits.view.windows[0].views[2].camera_idx = 0;
+        project.edits.view.windows[1].views[3].shows.ground = false;
         project.edits.view.cameras[2].eye = Some(DVec3::new(1.0, 2.0, 3.0));
         project.edits.clip.carrier = Some("Hips".to_owned());
         let name = |part: &str| format!("left \"{part}\"");
@@ -261,6 +264,8 @@ mod tests {
             PlantEdit { foot: Side::Right, first: 0, last: 0, mode: PlantEditMode::None },
         ];
         let text = print(&project);
+        assert!(text.contains("\n[view]\nlayout = 4\n\n[view.3]\ncamera = 1\n"), "{text}");
+        assert!(text.contains("\n[second.4]\nhide = [\"ground\"]\n"), "{text}");
         assert!(text.contains("\n[[plant]]\nfoot = \"left\"\nfirst = 3\nlast = 9\nmode = \"clean\"\n"), "{text}");
         assert_eq!(parse(&text, "p.toml"), Ok(project.clone()));
         assert_eq!(print(&parse(&text, "p.toml").expect("parses")), text);

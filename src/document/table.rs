@@ -7,7 +7,7 @@ use glam::DVec3;
 use toml::Value;
 
 use super::{
-    Axes, ProjectionKind, entries,
+    Axes, Edits, ProjectionKind, Show, entries,
     parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, as_vector, vector, word},
 };
 use crate::{
@@ -17,12 +17,13 @@ use crate::{
     path::{Cycling, Degree, Integrator, ResidualFrame},
 };
 
-/// All parameters: the edits in the order of work, then what is drawn, then the cameras.
-pub static PARAMETERS: Table = Table { groups: [&EDITS, &SHOW, &CAMERAS[0], &CAMERAS[1], &CAMERAS[2], &CAMERAS[3]] };
+/// All parameters: the edits in the order of work, then what is drawn, then the cameras and the windows' views.
+pub static PARAMETERS: Table =
+    Table { groups: [&EDITS, &SHOW, &CAMERAS[0], &CAMERAS[1], &CAMERAS[2], &CAMERAS[3], &WINDOWS[0], &WINDOWS[1]] };
 
 /// The parameter table.
 pub struct Table {
-    groups: [&'static [Parameter]; 6],
+    groups: [&'static [Parameter]; 8],
 }
 
 impl Table {
@@ -162,6 +163,85 @@ macro_rules! camera_rows {
             },
         ]
     };
+}
+
+macro_rules! view_camera_row {
+    ($window:literal, $window_idx:literal, $n:literal) => {
+        Parameter {
+            name: concat!($window, ".", $n, ".camera"),
+            kind: Kind::Count { min: 1, max: 4, step: 1, auto: false },
+            unit: "",
+            doc: "Camera preset that this view is seen from.",
+            get: |e| Value::Integer(e.view.windows[$window_idx].views[$n - 1].camera_idx as i64 + 1),
+            set: |e, v| {
+                e.view.windows[$window_idx].views[$n - 1].camera_idx = count(v).expect("admitted as a count") - 1;
+            },
+        }
+    };
+}
+
+macro_rules! view_hide_row {
+    ($window:literal, $window_idx:literal, $n:literal) => {
+        Parameter {
+            name: concat!($window, ".", $n, ".hide"),
+            kind: Kind::Objects,
+            unit: "",
+            doc: "What show.* draws and this view leaves out, where the window has several views.",
+            get: |e| hidden(e.view.windows[$window_idx].views[$n - 1].shows),
+            set: |e, v| e.view.windows[$window_idx].views[$n - 1].shows = shown(v),
+        }
+    };
+}
+
+macro_rules! window_rows {
+    ($window:literal, $window_idx:literal, $doc:literal) => {
+        [
+            Parameter {
+                name: concat!($window, ".layout"),
+                kind: Kind::OneOf(&[1, 2, 4]),
+                unit: "views",
+                doc: $doc,
+                get: |e| Value::Integer(e.view.windows[$window_idx].layout as i64),
+                set: |e, v| e.view.windows[$window_idx].layout = count(v).expect("admitted as a count"),
+            },
+            view_camera_row!($window, $window_idx, 1),
+            view_hide_row!($window, $window_idx, 1),
+            view_camera_row!($window, $window_idx, 2),
+            view_hide_row!($window, $window_idx, 2),
+            view_camera_row!($window, $window_idx, 3),
+            view_hide_row!($window, $window_idx, 3),
+            view_camera_row!($window, $window_idx, 4),
+            view_hide_row!($window, $window_idx, 4),
+        ]
+    };
+}
+
+const WINDOWS: [[Parameter; 9]; 2] = [
+    window_rows!("view", 0, "Views of the preview window: one, two side by side, four in a square."),
+    window_rows!("second", 1, "Views of the second window: one, two side by side, four in a square."),
+];
+
+/// Returns the names of the drawn objects, which are those of `show.*`.
+pub(super) fn objects() -> impl Iterator<Item = &'static str> {
+    SHOW.iter().map(|p| p.name.rsplit('.').next().expect("a name has a last part"))
+}
+
+/// The names of what a view leaves out, in the order of the table.
+fn hidden(shows: Show) -> Value {
+    let mut edits = Edits::default();
+    edits.view.show = shows;
+    let left_out = SHOW.iter().zip(objects()).filter(|(p, _)| !switch(&p.get(&edits)));
+    Value::Array(left_out.map(|(_, name)| word(name)).collect())
+}
+
+/// What a view shows when it leaves out what [`Kind::admit`] let through.
+fn shown(hidden: &Value) -> Show {
+    let mut edits = Edits::default();
+    let hidden = hidden.as_array().expect("admitted as a list of objects");
+    for (p, name) in SHOW.iter().zip(objects()) {
+        (p.set)(&mut edits, &Value::Boolean(!hidden.iter().any(|h| h.as_str() == Some(name))));
+    }
+    edits.view.show
 }
 
 const CAMERAS: [[Parameter; 6]; 4] = [camera_rows!(1), camera_rows!(2), camera_rows!(3), camera_rows!(4)];
@@ -558,6 +638,11 @@ mod tests {
             "clip.legs=[{side='left', ankle='a b', knee='k', hip='h'}]",
             Ok("[{ side = \"left\", hip = \"h\", knee = \"k\", ankle = \"a b\" }]"),
         );
+        check("view.layout=4", Ok("4"));
+        check("second.3.camera=1", Ok("1"));
+        check("view.2.hide=ground", Ok("[\"ground\"]"));
+        check("view.2.hide=[\"traces\", \"ground\", \"traces\"]", Ok("[\"ground\", \"traces\"]"));
+        check("view.2.hide=[]", Ok("[]"));
         check(
             "path.control_points=[[0,0,0],[1,0,0],[2,0,0],[3,0,1]]",
             Ok("[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 1]]"),
@@ -579,6 +664,12 @@ mod tests {
         );
         check("path.edited=maybe", Err("`path.edited` takes true or false, found `maybe`"));
         check("path.pionts=3", Err("there is no parameter `path.pionts`; did you mean `path.points`?"));
+        check("view.layout=3", Err("`view.layout` takes 1, 2, 4, found `3`"));
+        check("view.4.camera=5", Err("`view.4.camera` takes a whole number from 1 to 4, found `5`"));
+        check(
+            "view.1.hide=[\"floor\"]",
+            Err("`view.1.hide` takes a list of names under show., e.g. [\"ground\", \"traces\"], found `[\"floor\"]`"),
+        );
         check("nonsense=3", Err("there is no parameter `nonsense`"));
     }
 
@@ -610,5 +701,7 @@ mod tests {
         assert_eq!(step("timing.cycling", -1, false).as_deref(), Some("blended"));
         assert_eq!(step("show.ground", 1, false).as_deref(), Some("false"));
         assert_eq!(step("clip.carrier", 1, false), None);
+        assert_eq!(step("view.layout", 1, false).as_deref(), Some("2"));
+        assert_eq!(step("view.layout", -1, true).as_deref(), Some("4"));
     }
 }

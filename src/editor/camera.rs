@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 
 use super::{Editor, area::PlanArea};
 use crate::{
-    document::{CameraEdits, Document, ProjectionKind, Solved},
+    document::{CameraEdits, Change, Document, ProjectionKind, Solved, parameter},
     scene::{Camera, Projection},
 };
 
@@ -21,7 +21,7 @@ const ZOOM_STEP: f64 = 0.88;
 const POLE_GAP: f64 = 0.02;
 /// A following preset frames this many body heights around the carrier, each way.
 const FOLLOW_HEIGHTS: f64 = 0.9;
-/// Presets frame for pictures at least this wide for their height.
+/// Presets frame for pictures at least this wide for their height; of two views side by side each is half as wide.
 const ASPECT: f64 = 1.5;
 /// Room left around what is framed.
 const ROOM: f64 = 1.2;
@@ -58,8 +58,8 @@ pub(super) enum Move {
     Target,
 }
 
-/// Resolves a preset: what the user changed, on top of a frame around the motion.
-pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset {
+/// Resolves a preset for a window of so many views: what the user changed, on top of a frame around the motion.
+pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize, layout: usize) -> Preset {
     let solved = document.solved();
     let edits = &document.edits().view.cameras[camera_idx];
     let to_world = |v: DVec3| solved.clip.facts.up.value.to_world(v);
@@ -84,7 +84,10 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset
     let target = edits.target.map_or(centre, to_world);
     let fov_y_rad = edits.fov.to_radians();
     let eye = edits.eye.map_or_else(
-        || target + direction * framing_distance(centre, framed, direction, own_up, fov_y_rad, projection),
+        || {
+            let frame = Frame { direction, up: own_up, fov_y_rad, projection, aspect: aspect(layout) };
+            target + direction * frame.distance(centre, framed)
+        },
         to_world,
     );
     let mut preset =
@@ -93,27 +96,37 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize) -> Preset
     preset
 }
 
-/// Returns how far from the centre, along a direction, all points are in the picture.
-fn framing_distance(
-    centre: DVec3,
-    points: &[DVec3],
+/// Returns how wide for its height a view is, at least, in a window of so many.
+fn aspect(layout: usize) -> f64 {
+    if layout == 2 { 0.5 * ASPECT } else { ASPECT }
+}
+
+/// How a picture is framed, but for where from.
+struct Frame {
+    /// From what is looked at to the eye, unit.
     direction: DVec3,
     up: DVec3,
     fov_y_rad: f64,
     projection: ProjectionKind,
-) -> f64 {
-    let right = up.cross(direction).normalize();
-    let screen_up = direction.cross(right);
-    let slope = (0.5 * fov_y_rad).tan();
-    let needed = points.iter().map(|&point| {
-        let p = point - centre;
-        let across = p.dot(screen_up).abs().max(p.dot(right).abs() / ASPECT) / slope;
-        match projection {
-            ProjectionKind::Perspective => across + p.dot(direction),
-            ProjectionKind::Orthographic => across,
-        }
-    });
-    ROOM * needed.fold(0.0, f64::max)
+    aspect: f64,
+}
+
+impl Frame {
+    /// Returns how far from the centre all points are in the picture.
+    fn distance(&self, centre: DVec3, points: &[DVec3]) -> f64 {
+        let right = self.up.cross(self.direction).normalize();
+        let screen_up = self.direction.cross(right);
+        let slope = (0.5 * self.fov_y_rad).tan();
+        let needed = points.iter().map(|&point| {
+            let p = point - centre;
+            let across = p.dot(screen_up).abs().max(p.dot(right).abs() / self.aspect) / slope;
+            match self.projection {
+                ProjectionKind::Perspective => across + p.dot(self.direction),
+                ProjectionKind::Orthographic => across,
+            }
+        });
+        ROOM * needed.fold(0.0, f64::max)
+    }
 }
 
 impl Preset {
@@ -158,13 +171,14 @@ pub(super) fn follow_offset(document: &Document, frame_idx: usize) -> DVec3 {
     followed(document.solved(), frame_idx) - followed(document.solved(), 0)
 }
 
-/// Returns the preset in use.
+/// Returns the preset of the view in focus.
 pub(super) fn of(editor: &Editor) -> Preset {
-    preset(&editor.document, &editor.view.area, editor.view.camera_idx)
+    let window = &editor.document.edits().view.windows[editor.view.window.idx()];
+    preset(&editor.document, &editor.view.area, editor.view.camera_idx, window.layout)
 }
 
-/// Returns the preset in use after a move, as edits.
-pub(super) fn moved(editor: &Editor, by: Move) -> CameraEdits {
+/// Returns the preset of the view in focus after a move, as edits.
+fn moved(editor: &Editor, by: Move) -> CameraEdits {
     let solved = editor.document.solved();
     let up_axis = solved.clip.facts.up.value;
     let mut edits = editor.document.edits().view.cameras[editor.view.camera_idx];
@@ -207,4 +221,23 @@ pub(super) fn moved(editor: &Editor, by: Move) -> CameraEdits {
         up: Some(up_axis.to_file(preset.up)),
         ..edits
     }
+}
+
+/// Moves the camera of the view in focus.
+pub(super) fn change(editor: &mut Editor, command: &'static str, by: Move) {
+    let moved = moved(editor, by);
+    put(editor, command, moved);
+}
+
+/// Sets the camera of the view in focus.
+pub(super) fn put(editor: &mut Editor, command: &'static str, camera: CameraEdits) {
+    let prefix = format!("camera.{}", editor.view.camera_idx + 1);
+    let mut edits = (**editor.document.edits()).clone();
+    edits.view.cameras[editor.view.camera_idx] = camera;
+    let fields = ["eye", "target", "up", "fov", "projection", "follow"].map(|field| format!("{prefix}.{field}"));
+    let values = fields.map(|name| {
+        let value = parameter(&name).expect("the table has every camera field").get(&edits);
+        (name, value)
+    });
+    editor.change(command, &Change::Set { values: values.to_vec(), shape: None });
 }

@@ -8,7 +8,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, joints, layers, look, loops, map_keys, maps, pose,
+    feet, joints, layers, look, loops, map_keys, maps, pose, views,
 };
 use crate::{
     contact::PlantMode,
@@ -37,6 +37,8 @@ pub enum Group {
     Camera,
     /// What is drawn.
     Show,
+    /// Windows and their views.
+    Views,
     /// Files, undo, windows.
     File,
 }
@@ -54,6 +56,7 @@ impl Group {
             Self::Layers => "layers",
             Self::Camera => "camera",
             Self::Show => "show",
+            Self::Views => "views",
             Self::File => "file, undo, window",
         }
     }
@@ -387,10 +390,10 @@ pub const COMMANDS: &[Command] = &[
         always,
         |e, c| layers::clear_clip(e, c, "clip.clear_rotation"),
     ),
-    row(Group::Camera, "camera.1", &["1"], "Camera 1, three-quarter.", always, |e, _| use_camera(e, 0)),
-    row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, _| use_camera(e, 1)),
-    row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, _| use_camera(e, 2)),
-    row(Group::Camera, "camera.4", &["4"], "Camera 4, top.", always, |e, _| use_camera(e, 3)),
+    row(Group::Camera, "camera.1", &["1"], "Camera 1, three-quarter.", always, |e, c| views::use_camera(e, c, 0)),
+    row(Group::Camera, "camera.2", &["2"], "Camera 2, front.", always, |e, c| views::use_camera(e, c, 1)),
+    row(Group::Camera, "camera.3", &["3"], "Camera 3, side.", always, |e, c| views::use_camera(e, c, 2)),
+    row(Group::Camera, "camera.4", &["4"], "Camera 4, top.", always, |e, c| views::use_camera(e, c, 3)),
     row(Group::Camera, "orbit.left", &["<s-left>", "H"], "Orbit left.", always, |e, c| {
         move_camera(e, c, Move::Orbit(-1, 0))
     }),
@@ -445,8 +448,8 @@ pub const COMMANDS: &[Command] = &[
         look::reset,
     ),
     row(Group::Camera, "camera.reset", &["ar"], "The preset as it came.", always, |e, c| {
-        let default = CameraEdits::default();
-        put_camera(e, c, default)
+        camera::put(e, c, CameraEdits::default());
+        Effect::None
     }),
     row(Group::Show, "show.original_skeleton", &["vo"], "The actor as captured.", always, |e, c| {
         step_value(e, c, "show.original_skeleton", 1, false)
@@ -485,6 +488,13 @@ pub const COMMANDS: &[Command] = &[
     row(Group::Show, "show.labels", &["vl"], "The names in the picture.", always, |e, c| {
         step_value(e, c, "show.labels", 1, false)
     }),
+    row(Group::Views, "views.1", &["V1"], "One view in the window.", always, |e, c| views::divide(e, c, 1)),
+    row(Group::Views, "views.2", &["V2"], "Two views side by side.", always, |e, c| views::divide(e, c, 2)),
+    row(Group::Views, "views.4", &["V4"], "Four views.", always, |e, c| views::divide(e, c, 4)),
+    row(Group::Views, "views.next", &["Vn"], "Keys act on the next view.", views::are_several, |e, _| views::next(e)),
+    row(Group::Views, "window.second", &["Vw"], "Open or close the second window.", always, |_, _| {
+        Effect::ToggleSecondWindow
+    }),
     row(Group::File, "help", &["?", "<f1>"], "The keys that work now.", always, |e, _| {
         e.view.help = Some(0);
         Effect::None
@@ -493,7 +503,9 @@ pub const COMMANDS: &[Command] = &[
     row(Group::File, "redo", &["U", "<c-r>"], "Redo.", always, |e, _| {
         travel(e, "redo", crate::document::Document::redo)
     }),
-    row(Group::File, "window", &["w"], "Open or close the preview window.", always, |_, _| Effect::ToggleWindow),
+    row(Group::File, "window", &["w"], "Open the window, or close the one it is pressed in.", always, |_, _| {
+        Effect::ToggleWindow
+    }),
     row(Group::File, "pane", &["b"], "The rendered picture in the terminal, or the plan.", always, |_, _| {
         Effect::TogglePane
     }),
@@ -580,6 +592,10 @@ fn move_row(editor: &mut Editor, by: i64) -> Effect {
 }
 
 fn step_value(editor: &mut Editor, command: &'static str, name: &str, n: i64, big: bool) -> Effect {
+    // Of several views only the one in focus shows or hides it.
+    if name.starts_with("show.") && views::are_several(editor) {
+        return views::toggle(editor, command, name);
+    }
     let parameter = parameter(name).expect("the command table names parameters of the table");
     if let Some(value) = parameter.stepped(editor.document.edits(), n, big) {
         let text = crate::document::show_value(&value);
@@ -709,11 +725,6 @@ fn shape(editor: &mut Editor, command: &'static str, kind: ShapeKind) -> Effect 
     Effect::None
 }
 
-fn use_camera(editor: &mut Editor, camera_idx: usize) -> Effect {
-    editor.view.camera_idx = camera_idx;
-    Effect::None
-}
-
 pub(super) fn set_camera(editor: &mut Editor, command: &'static str, field: &str, value: Value) -> Effect {
     let name = format!("camera.{}.{field}", editor.view.camera_idx + 1);
     let text = crate::document::show_value(&value);
@@ -723,20 +734,7 @@ pub(super) fn set_camera(editor: &mut Editor, command: &'static str, field: &str
 }
 
 fn move_camera(editor: &mut Editor, command: &'static str, by: Move) -> Effect {
-    let moved = camera::moved(editor, by);
-    put_camera(editor, command, moved)
-}
-
-fn put_camera(editor: &mut Editor, command: &'static str, camera: CameraEdits) -> Effect {
-    let prefix = format!("camera.{}", editor.view.camera_idx + 1);
-    let mut edits = (**editor.document.edits()).clone();
-    edits.view.cameras[editor.view.camera_idx] = camera;
-    let fields = ["eye", "target", "up", "fov", "projection", "follow"].map(|field| format!("{prefix}.{field}"));
-    let values = fields.map(|name| {
-        let value = parameter(&name).expect("the table has every camera field").get(&edits);
-        (name, value)
-    });
-    editor.change(command, &Change::Set { values: values.to_vec(), shape: None });
+    camera::change(editor, command, by);
     Effect::None
 }
 

@@ -44,7 +44,10 @@ pub(super) fn slow_motion(editor: &mut Editor) -> Effect {
 pub(super) fn reset(editor: &mut Editor, command: &'static str) -> Effect {
     editor.change(command, &Change::ResetView);
     editor.end_step();
+    // Keys go on acting on the window they are pressed in.
+    let window = editor.view.window;
     editor.view = ViewState::new(editor.document.solved());
+    editor.view.window = window;
     editor.follow_document();
     editor.say(Message::note("the view is as it came; u takes cameras, show and speed back".to_owned()));
     Effect::None

@@ -23,6 +23,7 @@ mod playback;
 mod pose;
 mod prompt;
 mod view;
+mod views;
 
 use std::{
     path::{Path, PathBuf},
@@ -44,6 +45,7 @@ pub use maps::MapSeries;
 pub use panel::{Row, RowKind, TABS, Tab};
 pub use prompt::{Asking, Prompt};
 pub use view::{Message, Severity, ViewState};
+pub use views::Window;
 
 /// Steps of one command within this time are one step of undo.
 const HELD_SECS: f64 = 0.7;
@@ -57,8 +59,10 @@ pub enum Effect {
     Quit,
     /// Stop until the user's shell continues us.
     Suspend,
-    /// Open the preview window, or close it.
+    /// Open the preview window, or close it; close the window that the key was pressed in.
     ToggleWindow,
+    /// Open the second window, or close it.
+    ToggleSecondWindow,
     /// Show the preview's picture in the terminal in place of the plan, or the plan again.
     TogglePane,
     /// Draw everything anew.
@@ -129,9 +133,14 @@ impl Editor {
         panel::rows(self)
     }
 
-    /// Returns the picture of this moment.
+    /// Returns the picture of this moment in the window that keys act on.
     pub fn scene(&self) -> Scene {
-        let mut scene = picture::scene(&self.document, &self.view, Arc::clone(self.stills.still()));
+        self.scene_in(self.view.window)
+    }
+
+    /// Returns the picture of this moment in a window.
+    pub fn scene_in(&self, window: Window) -> Scene {
+        let mut scene = picture::scene(&self.document, &self.view, window, Arc::clone(self.stills.still()));
         // Keys may come from the window, so what they ask or say is seen there too.
         if let Some(prompt) = &self.prompt {
             scene.now.caption = format!("{} {}_", prompt.title(), prompt.text);
@@ -186,11 +195,6 @@ impl Editor {
         self.view.jump(frame_idx.saturating_sub(rest));
         self.view.rest_frame = (frame_idx < rest).then_some(frame_idx);
         self.follow_document();
-    }
-
-    /// Takes a camera preset into use, 0 to 3.
-    pub fn use_camera(&mut self, camera_idx: usize) {
-        self.view.camera_idx = camera_idx.min(3);
     }
 
     /// Shows a line to the user until the next key.

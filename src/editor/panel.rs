@@ -1,6 +1,6 @@
 //! The panel: tabs of rows, read from the parameter table.
 
-use super::{Editor, Handle, feet, joints, layers, loops, maps};
+use super::{Editor, Handle, ViewState, feet, joints, layers, loops, maps, views};
 use crate::{
     document::{PARAMETERS, Parameter},
     measure::Pair,
@@ -23,7 +23,7 @@ pub enum Tab {
     Clip,
     /// What is drawn.
     Show,
-    /// The camera preset in use.
+    /// The view in focus and its camera preset.
     Camera,
     /// Layers of displacement maps, and how keys move joints.
     Layers,
@@ -75,7 +75,7 @@ impl Tab {
         matches!(self, Self::Joints | Self::Layers | Self::Maps)
     }
 
-    fn holds(self, parameter: &Parameter, camera_idx: usize) -> bool {
+    fn holds(self, parameter: &Parameter, view: &ViewState) -> bool {
         let section = parameter.section();
         match self {
             // The points are rows of their own.
@@ -84,7 +84,11 @@ impl Tab {
             Self::Timing => ["timing", "loop"].contains(&section),
             Self::Clip => section == "clip",
             Self::Show => section == "show",
-            Self::Camera => section == ["camera.1", "camera.2", "camera.3", "camera.4"][camera_idx],
+            Self::Camera => {
+                let camera = ["camera.1", "camera.2", "camera.3", "camera.4"][view.camera_idx];
+                let (focused, window) = views::sections(view);
+                section == camera || section == window || section == focused
+            }
             Self::Feet => section == "plants",
             Self::Layers => section == "pose" || parameter.name == "interpolation_keys",
             Self::Joints | Self::Maps | Self::Residuals | Self::Quality => false,
@@ -166,7 +170,7 @@ pub(super) fn rows_of(editor: &Editor, tab: Tab) -> Vec<Row> {
     let edits = editor.document.edits();
     let mut rows: Vec<Row> = PARAMETERS
         .iter()
-        .filter(|p| tab.holds(p, view.camera_idx))
+        .filter(|p| tab.holds(p, view))
         .map(|p| Row {
             kind: RowKind::Parameter(p.name),
             label: p.name.to_owned(),

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     document::{Change, Solved},
-    scene::{Camera, Projection, Ray, Role, Scene},
+    scene::{Camera, Object, Projection, Ray, Role, Scene, View},
     skeleton::JointId,
 };
 
@@ -122,7 +122,10 @@ impl Editor {
 
     /// Returns what the pointer takes at a ray; none where no point of the body is near.
     fn under(&self, scene: &Scene, ray: &Ray) -> Option<Grab> {
-        let camera = scene.now.views.get(ray.view as usize)?.camera;
+        let &View { camera, shows, .. } = scene.now.views.get(ray.view as usize)?;
+        if !shows.contains(Object::NewSkeleton) {
+            return None;
+        }
         let body = scene.still.bodies.iter().position(|body| body.role == Role::NewSkeleton)?;
         let points = scene.now.actors.get(body)?;
         let clip = &self.document.solved().clip;

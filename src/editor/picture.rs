@@ -9,14 +9,14 @@ use glam::DVec3;
 
 use super::{
     body::{body, mark_selected},
-    camera::{self, PRESET_NAMES},
     joints::Handle,
     panel::TABS,
     view::ViewState,
+    views::{Window, views},
 };
 use crate::{
-    document::{self, Document, ProjectionKind, Show, Solved},
-    scene::{Curve, Footprint, Ground, Label, Mark, Now, Role, Scene, Still, Stroke, View},
+    document::{self, Document, Edits, Show, Solved},
+    scene::{Curve, Footprint, Ground, Label, Mark, Now, Role, Scene, Still, Stroke},
     skeleton::Skeleton,
 };
 
@@ -62,7 +62,7 @@ impl MadeFrom {
     }
 
     fn is_of(&self, solved: &Arc<Solved>, view: &ViewState) -> bool {
-        Arc::ptr_eq(&self.solved, solved)
+        draw_the_same(&self.solved, solved)
             && self.point_idx == view.point_idx
             && self.selected == view.joints.selected
             && Arc::ptr_eq(&self.area, &view.area.points)
@@ -95,9 +95,21 @@ impl Stills {
         let solved = document.solved();
         if !self.made_from.as_ref().is_some_and(|made| made.is_of(solved, view)) {
             self.still = Arc::new(still_scene(solved, view, self.still.revision + 1));
-            self.made_from = Some(MadeFrom::new(solved, view));
         }
+        self.made_from = Some(MadeFrom::new(solved, view));
     }
+}
+
+/// Tells whether two results make the same still part, as they do when only cameras and views have changed between them.
+fn draw_the_same(old: &Arc<Solved>, new: &Arc<Solved>) -> bool {
+    // A change is of the views or of the rest, so the rest is compared only where it is likely to be equal.
+    let seen_otherwise = || {
+        let (old_view, view) = (&old.edits.view, &new.edits.view);
+        old_view != view
+            && old_view.show == view.show
+            && *old.edits == Edits { view: old_view.clone(), ..(*new.edits).clone() }
+    };
+    Arc::ptr_eq(old, new) || seen_otherwise()
 }
 
 /// Builds the part of the picture that stays while the clip plays.
@@ -239,8 +251,8 @@ fn normal_skeleton(solved: &Solved, frame_idx: usize, points: &mut Vec<DVec3>) {
     points.iter_mut().for_each(|point| *point += by);
 }
 
-/// Builds the picture of this moment.
-pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) -> Scene {
+/// Builds the picture of this moment in a window.
+pub(super) fn scene(document: &Document, view: &ViewState, window: Window, still: Arc<Still>) -> Scene {
     let solved = document.solved();
     let show = document.edits().view.show;
     let height = solved.clip.facts.height.value;
@@ -288,21 +300,13 @@ pub(super) fn scene(document: &Document, view: &ViewState, still: Arc<Still>) ->
             }
         }
     }
-    let preset = camera::preset(document, &view.area, view.camera_idx);
-    let camera = preset.camera(camera::follow_offset(document, view.frame_idx));
-    let kind = match preset.projection {
-        ProjectionKind::Perspective => "perspective",
-        ProjectionKind::Orthographic => "orthographic",
-    };
-    let follows = if preset.follow { ", following" } else { "" };
-    let title = format!("{} {}, {kind}{follows}", view.camera_idx + 1, PRESET_NAMES[view.camera_idx]);
     Scene {
         still,
         now: Now {
             actors: vec![original, edited, normal],
             marks,
             labels,
-            views: vec![View { camera, title }],
+            views: views(document, view, window),
             caption: caption(solved, view),
         },
     }

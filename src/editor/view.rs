@@ -5,6 +5,7 @@ use super::{
     joints::Joints,
     panel::{Row, RowKind, TABS},
     playback::{Pace, Playback},
+    views::Window,
 };
 use crate::{
     document::{Document, Solved},
@@ -75,7 +76,11 @@ pub struct ViewState {
     pub layer_idx: usize,
     /// File frame of the first of two interpolation keys, until the second is set.
     pub interpolated_from: Option<usize>,
-    /// Camera preset in use, 0 to 3.
+    /// The window that keys act on.
+    pub(super) window: Window,
+    /// The view of each window that keys act on.
+    pub(super) focus: [usize; 2],
+    /// Camera preset of the view in focus, 0 to 3.
     pub camera_idx: usize,
     /// The area the plan and the presets frame.
     pub area: PlanArea,
@@ -100,6 +105,8 @@ impl ViewState {
             joints: Joints::new(&solved.clip),
             layer_idx: 0,
             interpolated_from: None,
+            window: Window::First,
+            focus: [0; 2],
             camera_idx: 0,
             area: area::area(solved),
             help: None,
@@ -115,6 +122,7 @@ impl ViewState {
         self.joints.follow(&solved.clip);
         self.layer_idx = self.layer_idx.min(document.edits().layers.len().saturating_sub(1));
         self.area = self.area.keep_or(area::area(solved));
+        self.follow_views(document);
     }
 
     /// Keeps the selected row within the tab's rows, and the selected point or the active joint with a selected row of one.

@@ -6,14 +6,13 @@ use glam::DVec3;
 
 use crate::{
     key::{Code, Key},
-    scene::{Camera, FromPreview, Ground, Label, Mark, Now, Picture, Projection, Ray, Still, View},
+    scene::{
+        Camera, FromPreview, Ground, Label, MAX_VIEWS, MAX_WHEEL_STEPS, Mark, Now, Picture, Projection, Ray, Still,
+    },
 };
 
 /// The largest picture a preview may be asked for or send: width and height in pixels, DCI 4K wide and UHD high.
 pub const MAX_PICTURE: [u32; 2] = [4096, 2160];
-
-/// The most views in a picture: one for each camera preset.
-pub const MAX_VIEWS: usize = 4;
 
 /// The most grid lines across the ground in one direction, so that a tiny cell cannot keep a preview busy for ever.
 pub const MAX_GRID_LINES: f64 = 10_000.0;
@@ -63,6 +62,9 @@ pub enum Fault {
     /// A camera looks nowhere: its eye is its target, or its up is along its line of sight.
     #[error("the camera of view {0} looks nowhere")]
     Camera(usize),
+    /// A view shows objects that there are not.
+    #[error("view {0} shows objects that there are not")]
+    Objects(usize),
     /// The ground's grid is finer than can be drawn.
     #[error("the ground's grid has more than {MAX_GRID_LINES} lines")]
     Grid,
@@ -90,6 +92,9 @@ pub enum Fault {
     /// A ray that is not one.
     #[error("a pointer's ray that leads nowhere")]
     Ray,
+    /// A wheel over no view, or turned by nothing or without end.
+    #[error("a pointer's wheel turned over no view or without end")]
+    Wheel,
 }
 
 /// Checks a still part by itself.
@@ -129,7 +134,10 @@ pub(super) fn check_now(still: &Still, now: &Now) -> Result<(), Fault> {
     if !(1..=MAX_VIEWS).contains(&now.views.len()) {
         return Err(Fault::Views(now.views.len()));
     }
-    now.views.iter().enumerate().try_for_each(|(index, View { camera, .. })| check_camera(index, camera))
+    now.views.iter().enumerate().try_for_each(|(index, view)| {
+        check_camera(index, &view.camera)?;
+        if view.shows.has_unknown() { Err(Fault::Objects(index)) } else { Ok(()) }
+    })
 }
 
 /// Checks the size of the pictures wanted.
@@ -153,6 +161,7 @@ pub(super) fn check_event(event: &FromPreview) -> Result<(), Fault> {
     match event {
         FromPreview::Key(key) if !is_key(*key) => Err(Fault::Key),
         FromPreview::Pick(ray) | FromPreview::Drag(ray) if !is_ray(ray) => Err(Fault::Ray),
+        &FromPreview::Wheel { view, steps } if view as usize >= MAX_VIEWS || !is_turn(steps) => Err(Fault::Wheel),
         FromPreview::Frame(Picture { width, height, rgb }) => check_picture(*width, *height, rgb.len()),
         _ => Ok(()),
     }
@@ -217,6 +226,11 @@ fn is_key(key: Key) -> bool {
     }
 }
 
+/// Steps of a wheel between two looks at it.
+fn is_turn(steps: i32) -> bool {
+    (1..=MAX_WHEEL_STEPS as u32).contains(&steps.unsigned_abs())
+}
+
 fn is_ray(ray: &Ray) -> bool {
     /// A direction that was made of f32 is this close to a unit one.
     const UNIT_ACCURACY: f64 = 1e-3;
@@ -229,7 +243,7 @@ mod tests {
     use super::*;
     use crate::{
         motion::Side,
-        scene::{Body, Curve, Footprint, Limb, Role, Stroke},
+        scene::{Body, Curve, Footprint, Limb, Objects, Role, Stroke, View},
     };
 
     const UP: DVec3 = DVec3::Y;
@@ -271,7 +285,7 @@ mod tests {
             actors: vec![vec![DVec3::ZERO, UP, DVec3::ONE]],
             marks: vec![],
             labels: vec![],
-            views: vec![View { camera, title: "1".to_owned() }],
+            views: vec![View { camera, title: "1".to_owned(), shows: Objects::ALL, focused: false }],
             caption: String::new(),
         }
     }
@@ -321,6 +335,12 @@ mod tests {
     }
 
     #[test]
+    fn views_show_what_there_is() {
+        assert_eq!(fault(|_, n| n.views[0].shows = Objects::NONE), None);
+        assert_eq!(fault(|_, n| n.views[0].shows = Objects::from_bits(u32::MAX)), Some(Fault::Objects(0)));
+    }
+
+    #[test]
     fn cameras_look_somewhere() {
         assert_eq!(fault(|_, n| n.views[0].camera.eye = n.views[0].camera.target), Some(Fault::Camera(0)));
         assert_eq!(fault(|_, n| n.views[0].camera.up = DVec3::NEG_Z), Some(Fault::Camera(0)));
@@ -346,6 +366,11 @@ mod tests {
         assert_eq!(check_event(&ray(4, UP)), Err(Fault::Ray));
         assert_eq!(check_event(&ray(0, DVec3::ZERO)), Err(Fault::Ray));
         assert_eq!(check_event(&ray(0, DVec3::NAN)), Err(Fault::Ray));
+        let wheel = |view, steps| check_event(&FromPreview::Wheel { view, steps });
+        assert_eq!([wheel(3, 1), wheel(0, -MAX_WHEEL_STEPS)], [Ok(()), Ok(())]);
+        for (view, steps) in [(4, 1), (0, 0), (0, MAX_WHEEL_STEPS + 1), (0, i32::MIN)] {
+            assert_eq!(wheel(view, steps), Err(Fault::Wheel), "{view} {steps}");
+        }
     }
 
     #[test]

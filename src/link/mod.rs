@@ -29,7 +29,7 @@ mod message;
 mod scene;
 mod text;
 
-pub use check::{Fault, MAX_GRID_LINES, MAX_PICTURE, MAX_VIEWS};
+pub use check::{Fault, MAX_GRID_LINES, MAX_PICTURE};
 pub use event::{EventReader, EventWriter};
 pub use message::{Kind, VERSION};
 pub use scene::{SceneReader, SceneWriter, check_scene};

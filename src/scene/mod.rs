@@ -6,12 +6,21 @@
 //! A scene has two parts: [`Still`] changes when the document does and is sent when its revision changed; [`Now`]
 //! changes with the playhead and the camera and is a few kilobytes.
 
+mod object;
+
 use std::sync::Arc;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::{key::Key, motion::Side};
+pub use object::{Object, Objects};
+
+/// The most views in a picture: one for each camera preset.
+pub const MAX_VIEWS: usize = 4;
+
+/// The most steps of a pointer's wheel in one event: far more than a hand turns at once, few enough to zoom by.
+pub const MAX_WHEEL_STEPS: i32 = 100;
 
 /// What a drawn thing is; front ends choose its look by this, and [`Role::rgb`] gives the colour they share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -149,7 +158,7 @@ pub struct Body {
     pub role: Role,
     /// Limbs to draw.
     pub limbs: Vec<Limb>,
-    /// They are drawn as edges, not as solids.
+    /// They are drawn as edges, not as solids, in views that show [`Object::Wireframe`].
     pub wireframe: bool,
 }
 
@@ -222,6 +231,10 @@ pub struct View {
     pub camera: Camera,
     /// Name in the view's corner, e.g. `1 three-quarter`.
     pub title: String,
+    /// Which of the scene's objects are seen in it.
+    pub shows: Objects,
+    /// Whether keys act on this one of several views; its title is marked.
+    pub focused: bool,
 }
 
 /// The part of a scene that changes with the playhead and the camera.
@@ -233,7 +246,7 @@ pub struct Now {
     pub marks: Vec<Mark>,
     /// Texts that move in time.
     pub labels: Vec<Label>,
-    /// The views to draw; at least one.
+    /// The views to draw; at least one, at most [`MAX_VIEWS`].
     pub views: Vec<View>,
     /// One line at the foot of the picture: frame, time, state.
     pub caption: String,
@@ -282,6 +295,13 @@ pub enum FromPreview {
     Drag(Ray),
     /// The pointer's button was released.
     Release,
+    /// The pointer's wheel was turned over a view.
+    Wheel {
+        /// Index of the view.
+        view: u32,
+        /// Steps away from the user, which is nearer; never 0, at most [`MAX_WHEEL_STEPS`] either way.
+        steps: i32,
+    },
     /// A headless preview's finished frame.
     Frame(Picture),
     /// The user closed the window.

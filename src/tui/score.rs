@@ -72,7 +72,8 @@ fn all_feet(solved: &Solved, number: impl Fn(&FootNumbers) -> Option<Pair>, scal
 fn state(editor: &Editor) -> String {
     let view = editor.view();
     let pending: String = editor.pending().iter().map(ToString::to_string).collect();
-    format!("{pending}  point {}  camera {}  {}", view.point_idx + 1, view.camera_idx + 1, playback(editor))
+    let (point, camera) = (view.point_idx + 1, view.camera_idx + 1);
+    format!("{pending}  point {point}  {}camera {camera}  {}", editor.view_in_focus(), playback(editor))
 }
 
 fn playback(editor: &Editor) -> String {

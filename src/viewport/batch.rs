@@ -3,8 +3,14 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::{camera::Bounds, footprint, shadow::Caster, wire};
-use crate::scene::{Body, Curve, Ground, Mark, Now, Role, Still, Stroke};
+use super::{
+    camera::Bounds,
+    footprint,
+    listed::{Listed, Part},
+    shadow::Caster,
+    wire,
+};
+use crate::scene::{Body, Curve, Ground, Mark, Now, Object, Objects, Role, Still, Stroke};
 
 /// A capsule, a sphere (both ends equal) or a cube (both ends equal).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -36,9 +42,9 @@ pub(super) struct Segment {
 #[derive(Debug, Default)]
 pub(super) struct Solids {
     /// Limbs and spheres.
-    pub(super) capsules: Vec<Solid>,
+    pub(super) capsules: Listed<Solid>,
     /// Trackers.
-    pub(super) cubes: Vec<Solid>,
+    pub(super) cubes: Listed<Solid>,
 }
 
 /// The part of a scene that stays, ready for the device.
@@ -47,7 +53,7 @@ pub(super) struct StillBatch {
     /// What positions are relative to.
     pub(super) origin: DVec3,
     pub(super) solids: Solids,
-    pub(super) segments: Vec<Segment>,
+    pub(super) segments: Listed<Segment>,
     pub(super) bounds: Bounds,
 }
 
@@ -55,10 +61,10 @@ pub(super) struct StillBatch {
 #[derive(Debug)]
 pub(super) struct NowBatch {
     pub(super) solids: Solids,
-    /// Edges of bodies that are no solids.
-    pub(super) segments: Vec<Segment>,
-    /// Bodies and moving marks, relative to the origin.
-    pub(super) casters: Vec<Caster>,
+    /// Edges of bodies.
+    pub(super) segments: Listed<Segment>,
+    /// Bodies and moving marks, relative to the origin, and what they are of.
+    pub(super) casters: Vec<(Part, Caster)>,
     pub(super) bounds: Bounds,
 }
 
@@ -88,18 +94,18 @@ impl StillBatch {
         }
         let first_point = || now.actors.iter().flatten().copied().find(|p| p.is_finite());
         let origin = bounds.middle().or_else(first_point).unwrap_or(DVec3::ZERO);
-        let mut segments = Vec::new();
+        let mut segments = Listed::default();
         for curve in still.ground.iter().flat_map(axes) {
-            add_curve(&mut segments, &curve, 0.5, origin, still.body_height);
+            add_curve(&mut segments, Part::of(curve.role), &curve, 0.5, origin, still.body_height);
         }
         for curve in still.footprints.iter().flat_map(footprint::curves) {
-            add_curve(&mut segments, &curve, width(curve.role), origin, still.body_height);
+            add_curve(&mut segments, Part::of(curve.role), &curve, width(curve.role), origin, still.body_height);
         }
         for curve in &still.curves {
-            add_curve(&mut segments, curve, width(curve.role), origin, still.body_height);
+            add_curve(&mut segments, Part::of(curve.role), curve, width(curve.role), origin, still.body_height);
         }
         for ring in still.marks.iter().filter(|m| m.role == Role::SelectedControlPoint).map(ring) {
-            add_curve(&mut segments, &ring, 0.8, origin, still.body_height);
+            add_curve(&mut segments, Part::of(ring.role), &ring, 0.8, origin, still.body_height);
         }
         let mut solids = Solids::default();
         for mark in &still.marks {
@@ -113,15 +119,23 @@ impl NowBatch {
     /// Gathers what moves. A limb of a point that is not there is not drawn.
     pub(super) fn new(still: &Still, now: &Now, origin: DVec3) -> Self {
         let mut batch =
-            Self { solids: Solids::default(), segments: Vec::new(), casters: Vec::new(), bounds: Bounds::EMPTY };
+            Self { solids: Solids::default(), segments: Listed::default(), casters: Vec::new(), bounds: Bounds::EMPTY };
         for (body, points) in still.bodies.iter().zip(&now.actors) {
             batch.add_body(body, points, origin, still.body_height);
         }
         for mark in &now.marks {
             batch.solids.add_mark(mark, origin);
-            batch.add_caster(mark.at, mark.radius, origin);
+            batch.add_caster(Part::of(mark.role), mark.at, mark.radius, origin);
         }
         batch
+    }
+
+    /// Returns what casts shadows in a view: the same for views in which the same does.
+    pub(super) fn casting(&self, shows: Objects) -> Objects {
+        let casting = self.casters.iter().map(|(part, _)| *part).filter(|part| part.is_shown(shows));
+        let objects = casting.map(Part::object).collect::<Objects>();
+        // It says how bodies are seen, too.
+        if shows.contains(Object::Wireframe) { objects.with(Object::Wireframe) } else { objects }
     }
 
     fn add_body(&mut self, body: &Body, points: &[DVec3], origin: DVec3, body_height: f64) {
@@ -129,23 +143,22 @@ impl NowBatch {
             let (Some(&from), Some(&to)) = (points.get(limb.from as usize), points.get(limb.to as usize)) else {
                 continue;
             };
+            let mut part = Part::of(body.role);
             if body.wireframe {
+                // Which of the two is seen is the view's to say.
                 for edge in wire::edges(limb, from, to) {
-                    add_curve(&mut self.segments, &edge, width(limb.role), origin, body_height);
+                    add_curve(&mut self.segments, part.as_edges(), &edge, width(limb.role), origin, body_height);
                 }
-                // Edges cast no shadows, but are as far away as solids would be.
-                self.bounds.add(from, limb.radius);
-                self.bounds.add(to, limb.radius);
-                continue;
+                part = part.as_solids();
             }
-            self.solids.capsules.push(solid(from, to, limb.radius, limb.role, origin));
-            self.add_caster(from, limb.radius, origin);
-            self.add_caster(to, limb.radius, origin);
+            self.solids.capsules.push(part, solid(from, to, limb.radius, limb.role, origin));
+            self.add_caster(part, from, limb.radius, origin);
+            self.add_caster(part, to, limb.radius, origin);
         }
     }
 
-    fn add_caster(&mut self, centre: DVec3, radius: f64, origin: DVec3) {
-        self.casters.push((centre - origin, radius));
+    fn add_caster(&mut self, part: Part, centre: DVec3, radius: f64, origin: DVec3) {
+        self.casters.push((part, (centre - origin, radius)));
         self.bounds.add(centre, radius);
     }
 }
@@ -153,7 +166,7 @@ impl NowBatch {
 impl Solids {
     fn add_mark(&mut self, mark: &Mark, origin: DVec3) {
         let list = if is_cube(mark.role) { &mut self.cubes } else { &mut self.capsules };
-        list.push(solid(mark.at, mark.at, mark.radius, mark.role, origin));
+        list.push(Part::of(mark.role), solid(mark.at, mark.at, mark.radius, mark.role, origin));
     }
 }
 
@@ -176,7 +189,7 @@ fn width(role: Role) -> f32 {
     }
 }
 
-fn add_curve(list: &mut Vec<Segment>, curve: &Curve, width: f32, origin: DVec3, body_height: f64) {
+fn add_curve(list: &mut Listed<Segment>, part: Part, curve: &Curve, width: f32, origin: DVec3, body_height: f64) {
     let dash = match curve.stroke {
         Stroke::Solid => 0.0,
         Stroke::Dashed => (body_height * DASH_HEIGHTS) as f32,
@@ -185,7 +198,7 @@ fn add_curve(list: &mut Vec<Segment>, curve: &Curve, width: f32, origin: DVec3, 
     for pair in curve.points.windows(2) {
         let start = along;
         along += pair[0].distance(pair[1]);
-        list.push(Segment {
+        let segment = Segment {
             a: near(pair[0], origin),
             along_a: start as f32,
             b: near(pair[1], origin),
@@ -193,7 +206,8 @@ fn add_curve(list: &mut Vec<Segment>, curve: &Curve, width: f32, origin: DVec3, 
             colour: colour(curve.role),
             width,
             dash,
-        });
+        };
+        list.push(part, segment);
     }
 }
 
@@ -281,14 +295,14 @@ mod tests {
         }
         still.marks[0].at += far;
         let batch = StillBatch::new(&still, &now(vec![]));
-        let a = DVec3::from_array(batch.segments[1].a.map(f64::from)) + batch.origin;
+        let a = DVec3::from_array(batch.segments.items[1].a.map(f64::from)) + batch.origin;
         assert!((a - still.curves[0].points[1]).length() < 1e-5, "f32 alone would be off by up to 0.5");
     }
 
     #[test]
     fn dashes_run_on_over_segments() {
         let batch = StillBatch::new(&still(), &now(vec![]));
-        let [first, second] = batch.segments[..] else { panic!("two segments") };
+        let [first, second] = batch.segments.items[..] else { panic!("two segments") };
         assert_eq!((first.along_a, first.along_b), (0.0, 3.0));
         assert_eq!((second.along_a, second.along_b), (3.0, 7.0));
         assert!(first.dash > 0.0);
@@ -296,33 +310,39 @@ mod tests {
 
     #[test]
     fn trackers_are_cubes_and_control_points_are_round() {
-        assert_eq!(StillBatch::new(&still(), &now(vec![])).solids.cubes.len(), 0);
-        assert_eq!(NowBatch::new(&still(), &now(vec![]), DVec3::ZERO).solids.cubes.len(), 1);
+        assert_eq!(StillBatch::new(&still(), &now(vec![])).solids.cubes.items.len(), 0);
+        assert_eq!(NowBatch::new(&still(), &now(vec![]), DVec3::ZERO).solids.cubes.items.len(), 1);
     }
 
     #[test]
     fn limbs_without_points_are_left_out() {
         let batch = |points: Vec<DVec3>| NowBatch::new(&still(), &now(points), DVec3::ZERO);
-        assert_eq!(batch(vec![]).solids.capsules.len(), 0);
-        assert_eq!(batch(vec![DVec3::ZERO, DVec3::Y]).solids.capsules.len(), 1);
+        assert_eq!(batch(vec![]).solids.capsules.items.len(), 0);
+        assert_eq!(batch(vec![DVec3::ZERO, DVec3::Y]).solids.capsules.items.len(), 1);
     }
 
     #[test]
-    fn wireframe_bodies_are_lines_without_shadows() {
+    fn wireframe_bodies_are_lines_without_shadows_or_solids_by_what_a_view_shows() {
         let mut still = still();
         still.bodies[0].wireframe = true;
         let batch = NowBatch::new(&still, &now(vec![DVec3::ZERO, DVec3::Y]), DVec3::ZERO);
-        assert_eq!((batch.solids.capsules.len(), batch.segments.len()), (0, 12));
-        assert_eq!(batch.casters.len(), 1, "the tracker");
-        assert!(batch.segments.iter().all(|s| s.dash == 0.0 && s.colour == colour(Role::NewSkeleton)));
+        let drawn = |shows: Objects| {
+            let casters = batch.casters.iter().filter(|(part, _)| part.is_shown(shows)).count();
+            (batch.solids.capsules.count(shows), batch.segments.count(shows), casters)
+        };
+        assert_eq!(drawn(Objects::ALL), (0, 12, 1), "the tracker casts a shadow");
+        assert_eq!(drawn(Objects::ALL.without(Object::Wireframe)), (1, 0, 3));
+        assert_eq!(drawn(Objects::ALL.without(Object::NewSkeleton)), (0, 0, 1));
+        let mut edges = batch.segments.items.iter();
+        assert!(edges.all(|s| s.dash == 0.0 && s.colour == colour(Role::NewSkeleton)));
     }
 
     #[test]
     fn a_selected_control_point_wears_a_ring() {
         let mut still = still();
-        let before = StillBatch::new(&still, &now(vec![])).segments.len();
+        let before = StillBatch::new(&still, &now(vec![])).segments.items.len();
         still.marks[0].role = Role::SelectedControlPoint;
-        assert!(StillBatch::new(&still, &now(vec![])).segments.len() > before);
+        assert!(StillBatch::new(&still, &now(vec![])).segments.items.len() > before);
     }
 
     #[test]

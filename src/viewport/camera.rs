@@ -230,9 +230,14 @@ fn ray(view: &View, index: usize, tile: Tile, pixel: DVec2) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Objects;
 
     fn camera(projection: Projection) -> Camera {
         Camera { eye: DVec3::new(3.0, 2.0, 5.0), target: DVec3::new(0.5, 1.0, 0.0), up: DVec3::Y, projection }
+    }
+
+    fn view(projection: Projection) -> View {
+        View { camera: camera(projection), title: String::new(), shows: Objects::ALL, focused: false }
     }
 
     const BOTH: [Projection; 2] =
@@ -281,7 +286,7 @@ mod tests {
     #[test]
     fn a_ray_through_a_points_pixel_hits_the_point() {
         for projection in BOTH {
-            let view = View { camera: camera(projection), title: String::new() };
+            let view = view(projection);
             let views = [view.clone(), view.clone(), view.clone(), view];
             let tile = tiles(4, 800, 600, gap(800, 600))[2];
             let p = DVec3::new(0.3, 1.2, -0.4);
@@ -298,7 +303,7 @@ mod tests {
 
     #[test]
     fn nothing_is_picked_outside_and_between() {
-        let view = View { camera: camera(BOTH[0]), title: String::new() };
+        let view = view(BOTH[0]);
         let views = [view.clone(), view];
         assert_eq!(pick(&views, 640, 360, 319.5, 100.0), None, "in the gap");
         assert_eq!(pick(&views, 640, 360, -1.0, 100.0), None);

@@ -13,7 +13,7 @@
 //! | `target`, `shadow` | what is drawn into |
 //! | `camera`, `view_block` | a view's mathematics, and what the shaders get of it |
 //! | `pass_sky`, `pass_solids`, `pass_ground`, `pass_ribbons`, `pass_text` | one kind of thing on screen each, in drawing order |
-//! | `batch`, `text`, `font` | the scene as instances of what the passes draw |
+//! | `batch`, `listed`, `text`, `font` | the scene as instances of what the passes draw |
 //! | `renderer` | the recipe of a picture |
 //! | `surface`, `swapchain`, [`window`], [`headless`], `keys` | where pictures go and what comes back |
 //!
@@ -34,6 +34,7 @@ pub mod headless;
 mod image;
 mod instance;
 mod keys;
+mod listed;
 mod pass_ground;
 mod pass_ribbons;
 mod pass_sky;

@@ -9,17 +9,18 @@ use ash::vk;
 
 use super::{
     batch::Segment,
-    buffer::Instances,
     device::Device,
     error::GpuError,
+    listed::{Listed, ListedInstances},
     pipeline::{Depth, Layouts, Pipeline, PipelineSpec, VertexBuffer},
 };
+use crate::scene::Objects;
 
 /// Draws the curves of a view.
 pub(super) struct RibbonPass {
     pipeline: Pipeline,
-    still: Instances,
-    moving: Instances,
+    still: ListedInstances,
+    moving: ListedInstances,
     device: Rc<Device>,
 }
 
@@ -53,7 +54,7 @@ impl RibbonPass {
             blend: true,
         };
         let pipeline = Pipeline::new(device, &spec)?;
-        let (still, moving) = (Instances::new(device)?, Instances::new(device)?);
+        let (still, moving) = (ListedInstances::new(device)?, ListedInstances::new(device)?);
         Ok(Self { pipeline, still, moving, device: Rc::clone(device) })
     }
 
@@ -62,7 +63,7 @@ impl RibbonPass {
     /// # Errors
     ///
     /// When memory has run out.
-    pub(super) fn set_still(&mut self, segments: &[Segment]) -> Result<(), GpuError> {
+    pub(super) fn set_still(&mut self, segments: &Listed<Segment>) -> Result<(), GpuError> {
         self.still.set(segments)
     }
 
@@ -71,27 +72,26 @@ impl RibbonPass {
     /// # Errors
     ///
     /// When memory has run out.
-    pub(super) fn set_moving(&mut self, segments: &[Segment]) -> Result<(), GpuError> {
+    pub(super) fn set_moving(&mut self, segments: &Listed<Segment>) -> Result<(), GpuError> {
         self.moving.set(segments)
     }
 
-    /// Records the drawing; a view is bound.
-    pub(super) fn draw(&self, commands: vk::CommandBuffer) {
-        self.draw_list(commands, &self.still);
-        self.draw_list(commands, &self.moving);
+    /// Records the drawing of what is shown; a view is bound.
+    pub(super) fn draw(&self, commands: vk::CommandBuffer, shown: Objects) {
+        self.draw_list(commands, &self.still, shown);
+        self.draw_list(commands, &self.moving, shown);
     }
 
-    fn draw_list(&self, commands: vk::CommandBuffer, segments: &Instances) {
-        if segments.count() == 0 {
-            return;
-        }
+    fn draw_list(&self, commands: vk::CommandBuffer, segments: &ListedInstances, shown: Objects) {
         let device = &self.device.handle;
         // SAFETY: recorded inside rendering to the format and samples that the pipeline was made for; the buffer holds
-        // `count` instances of the stride it was told.
+        // the instances of the ranges, of the stride it was told.
         unsafe {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, self.pipeline.handle);
             device.cmd_bind_vertex_buffers(commands, 0, &[segments.handle()], &[0]);
-            device.cmd_draw(commands, 4, segments.count(), 0, 0);
+            for drawn in segments.ranges(shown) {
+                device.cmd_draw(commands, 4, drawn.end - drawn.start, 0, drawn.start);
+            }
         }
     }
 }

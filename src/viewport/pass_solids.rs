@@ -11,11 +11,13 @@ use glam::{DMat4, Vec3};
 
 use super::{
     batch::{Solid, Solids},
-    buffer::{Buffer, Instances},
+    buffer::Buffer,
     device::Device,
     error::GpuError,
+    listed::ListedInstances,
     pipeline::{Depth, Layouts, Pipeline, PipelineSpec, VertexBuffer},
 };
+use crate::scene::Objects;
 
 /// Vertices round a capsule.
 const SIDES: u16 = 20;
@@ -35,8 +37,8 @@ pub(super) struct SolidPass {
 
 /// Instances by mesh.
 struct Lists {
-    capsules: Instances,
-    cubes: Instances,
+    capsules: ListedInstances,
+    cubes: ListedInstances,
 }
 
 impl SolidPass {
@@ -111,17 +113,17 @@ impl SolidPass {
         self.moving.set(solids)
     }
 
-    /// Records the drawing; a view is bound.
-    pub(super) fn draw(&self, commands: vk::CommandBuffer) {
+    /// Records the drawing of what is shown; a view is bound.
+    pub(super) fn draw(&self, commands: vk::CommandBuffer, shown: Objects) {
         // SAFETY: recorded inside rendering to the format and samples that the pipeline was made for.
         unsafe {
             self.device.handle.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, self.pipeline.handle);
         }
-        self.draw_lists(commands, &[&self.still, &self.moving]);
+        self.draw_lists(commands, &[&self.still, &self.moving], shown);
     }
 
-    /// Records the drawing of what moves into the shadow map; nothing when made without shadows.
-    pub(super) fn draw_shadow(&self, commands: vk::CommandBuffer, light: DMat4) {
+    /// Records the drawing of what moves and is shown into the shadow map; nothing when made without shadows.
+    pub(super) fn draw_shadow(&self, commands: vk::CommandBuffer, light: DMat4, shown: Objects) {
         let Some(pipeline) = &self.shadow else { return };
         let matrix = light.as_mat4().to_cols_array();
         // SAFETY: recorded inside rendering to the depth format that the pipeline was made for; one matrix fits the
@@ -137,21 +139,22 @@ impl SolidPass {
                 bytemuck::cast_slice(&matrix),
             );
         }
-        self.draw_lists(commands, &[&self.moving]);
+        self.draw_lists(commands, &[&self.moving], shown);
     }
 
-    fn draw_lists(&self, commands: vk::CommandBuffer, lists: &[&Lists]) {
+    fn draw_lists(&self, commands: vk::CommandBuffer, lists: &[&Lists], shown: Objects) {
         let device = &self.device.handle;
         let meshes = &self.meshes;
         // SAFETY: a pipeline of this pass is bound; the buffers hold as many vertices, indices and instances as drawn.
         unsafe {
             device.cmd_bind_index_buffer(commands, meshes.indices.handle, 0, vk::IndexType::UINT16);
             for list in lists {
-                for (instances, range) in [(&list.capsules, meshes.capsule), (&list.cubes, meshes.cube)] {
-                    if instances.count() > 0 {
-                        let buffers = [meshes.vertices.handle, instances.handle()];
-                        device.cmd_bind_vertex_buffers(commands, 0, &buffers, &[0, 0]);
-                        device.cmd_draw_indexed(commands, range.count, instances.count(), range.first, 0, 0);
+                for (instances, mesh) in [(&list.capsules, meshes.capsule), (&list.cubes, meshes.cube)] {
+                    let buffers = [meshes.vertices.handle, instances.handle()];
+                    device.cmd_bind_vertex_buffers(commands, 0, &buffers, &[0, 0]);
+                    for drawn in instances.ranges(shown) {
+                        let count = drawn.end - drawn.start;
+                        device.cmd_draw_indexed(commands, mesh.count, count, mesh.first, 0, drawn.start);
                     }
                 }
             }
@@ -161,7 +164,7 @@ impl SolidPass {
 
 impl Lists {
     fn new(device: &Rc<Device>) -> Result<Self, GpuError> {
-        Ok(Self { capsules: Instances::new(device)?, cubes: Instances::new(device)? })
+        Ok(Self { capsules: ListedInstances::new(device)?, cubes: ListedInstances::new(device)? })
     }
 
     fn set(&mut self, solids: &Solids) -> Result<(), GpuError> {

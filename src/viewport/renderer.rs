@@ -26,7 +26,7 @@ use super::{
     text,
     view_block::{Common, ViewBlock, ViewBlocks},
 };
-use crate::scene::{Picture, Scene};
+use crate::scene::{MAX_VIEWS, Object, Objects, Picture, Scene, View};
 
 /// How much care a picture is drawn with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,7 +58,8 @@ pub struct Renderer {
     target: Option<Target>,
     passes: Passes,
     views: ViewBlocks,
-    shadow: Option<ShadowMap>,
+    /// One for each view that may need its own; none in a draft.
+    shadows: Vec<ShadowMap>,
     layouts: Layouts,
     samples: vk::SampleCountFlags,
     /// Uploaded last, with its revision.
@@ -76,9 +77,22 @@ struct Passes {
 
 /// What recording needs to know of the uploaded scene.
 struct Prepared {
-    tiles: Vec<Tile>,
-    light: DMat4,
+    views: Vec<PreparedView>,
+    lights: Vec<Light>,
     has_ground: bool,
+}
+
+struct PreparedView {
+    tile: Tile,
+    shows: Objects,
+    /// Index into [`Prepared::lights`].
+    light_idx: usize,
+}
+
+/// What one shadow map shows: views that show the same of what casts shadows share it.
+struct Light {
+    casting: Objects,
+    matrix: DMat4,
 }
 
 /// Between views, in linear light.
@@ -104,7 +118,8 @@ impl Renderer {
         let full = quality == Quality::Full;
         let samples = if full { device.samples() } else { vk::SampleCountFlags::TYPE_1 };
         let layouts = Layouts::new(&device, full)?;
-        let shadow = full.then(|| ShadowMap::new(&device)).transpose()?;
+        let n_shadows = if full { MAX_VIEWS } else { 0 };
+        let shadows = (0..n_shadows).map(|_| ShadowMap::new(&device)).collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
             commands: Commands::new(&device)?,
             read_back: None,
@@ -116,8 +131,8 @@ impl Renderer {
                 ribbons: RibbonPass::new(&device, &layouts, samples)?,
                 text: TextPass::new(&device, &layouts)?,
             },
-            views: ViewBlocks::new(&device, &layouts, shadow.as_ref())?,
-            shadow,
+            views: ViewBlocks::new(&device, &layouts, &shadows)?,
+            shadows,
             layouts,
             samples,
             still: None,
@@ -230,32 +245,44 @@ impl Renderer {
         self.passes.solids.set_moving(&now.solids)?;
         self.passes.ribbons.set_moving(&now.segments)?;
         let ground = scene.still.ground.as_ref();
-        let light = shadow::light_matrix(&now.casters, ground.map_or(0.0, |g| g.height) - still.origin.y);
         let bounds = Bounds { low: still.bounds.low.min(now.bounds.low), high: still.bounds.high.max(now.bounds.high) };
         let common = Common {
             origin: still.origin,
             bounds: &bounds,
             body_height: sane_height(scene.still.body_height),
             ground,
-            light,
             line_width: line_width(height),
         };
-        let tiles = camera::tiles(scene.now.views.len(), width, height, camera::gap(width, height));
-        let views: Vec<_> = tiles
+        let n_views = scene.now.views.len().min(MAX_VIEWS);
+        let tiles = camera::tiles(n_views, width, height, camera::gap(width, height));
+        let seen: Vec<_> = tiles
             .iter()
             .zip(&scene.now.views)
             .map(|(tile, view)| (*tile, Lens::new(&view.camera, tile.aspect())))
             .collect();
-        let blocks: Vec<_> = views.iter().map(|(tile, lens)| ViewBlock::new(&common, lens, *tile)).collect();
-        self.views.set(&blocks)?;
-        self.passes.text.set(&text::layout(scene, &views, width, height))?;
-        Ok(Prepared { tiles, light, has_ground: ground.is_some() })
+        let mut lights = Vec::new();
+        let views: Vec<_> = tiles
+            .iter()
+            .zip(&scene.now.views)
+            .map(|(&tile, &View { shows, .. })| {
+                let ground_height = ground.map_or(0.0, |g| g.height) - still.origin.y;
+                PreparedView { tile, shows, light_idx: light(&mut lights, &now, shows, ground_height) }
+            })
+            .collect();
+        let blocks: Vec<_> = seen
+            .iter()
+            .zip(&views)
+            .map(|((tile, lens), view)| ViewBlock::new(&common, lens, *tile, lights[view.light_idx].matrix))
+            .collect();
+        self.views.set(&blocks);
+        self.passes.text.set(&text::layout(scene, &seen, width, height))?;
+        Ok(Prepared { views, lights, has_ground: ground.is_some() })
     }
 
     /// Records the picture; afterwards it is ready to be copied from.
     fn record(&self, commands: vk::CommandBuffer, target: &Target, prepared: &Prepared) {
-        if let Some(map) = &self.shadow {
-            self.record_shadow(commands, map, prepared.light);
+        for (map, light) in self.shadows.iter().zip(&prepared.lights) {
+            self.record_shadow(commands, map, light);
         }
         transition(&self.device, commands, &target.before_drawing());
         let colour = [target.colour_attachment(GAP_COLOUR)];
@@ -269,19 +296,19 @@ impl Renderer {
         let device = &self.device.handle;
         // SAFETY: the attachments are in their layouts by the barriers above and outlive the frame.
         unsafe { device.cmd_begin_rendering(commands, &info) };
-        for (i, tile) in prepared.tiles.iter().enumerate() {
+        for (i, &PreparedView { tile, shows, light_idx }) in prepared.views.iter().enumerate() {
             let area = vk::Rect2D {
                 offset: vk::Offset2D { x: tile.x as i32, y: tile.y as i32 },
                 extent: vk::Extent2D { width: tile.width, height: tile.height },
             };
             self.look_through(commands, area);
-            self.views.bind(commands, &self.layouts, i);
+            self.views.bind(commands, &self.layouts, i, light_idx);
             self.passes.sky.draw(commands);
-            self.passes.solids.draw(commands);
-            if prepared.has_ground {
+            self.passes.solids.draw(commands, shows);
+            if prepared.has_ground && shows.contains(Object::Ground) {
                 self.passes.ground.draw(commands);
             }
-            self.passes.ribbons.draw(commands);
+            self.passes.ribbons.draw(commands, shows);
         }
         // SAFETY: begun above.
         unsafe { device.cmd_end_rendering(commands) };
@@ -307,7 +334,7 @@ impl Renderer {
         unsafe { self.device.handle.cmd_end_rendering(commands) };
     }
 
-    fn record_shadow(&self, commands: vk::CommandBuffer, map: &ShadowMap, light: DMat4) {
+    fn record_shadow(&self, commands: vk::CommandBuffer, map: &ShadowMap, light: &Light) {
         let (image, aspect): (&Image, _) = (&map.image, vk::ImageAspectFlags::DEPTH);
         // The last frame may still be reading the map.
         let before = Use::discard(Use::SAMPLED.stage | Use::DEPTH.stage);
@@ -318,7 +345,7 @@ impl Renderer {
         // SAFETY: the map is in its layout by the barrier above and outlives the frame.
         unsafe { self.device.handle.cmd_begin_rendering(commands, &info) };
         self.look_through(commands, area);
-        self.passes.solids.draw_shadow(commands, light);
+        self.passes.solids.draw_shadow(commands, light.matrix, light.casting);
         // SAFETY: begun above.
         unsafe { self.device.handle.cmd_end_rendering(commands) };
         transition(&self.device, commands, &[barrier(image.handle, aspect, Use::DEPTH, Use::SAMPLED)]);
@@ -346,6 +373,17 @@ impl Drop for Renderer {
     fn drop(&mut self) {
         self.device.wait_idle();
     }
+}
+
+/// Returns the index of the light that a view needs, which is made unless another view has one alike.
+fn light(lights: &mut Vec<Light>, now: &NowBatch, shows: Objects, ground_height: f64) -> usize {
+    let casting = now.casting(shows);
+    lights.iter().position(|light| light.casting == casting).unwrap_or_else(|| {
+        let casters: Vec<_> =
+            now.casters.iter().filter(|(part, _)| part.is_shown(casting)).map(|(_, caster)| *caster).collect();
+        lights.push(Light { casting, matrix: shadow::light_matrix(&casters, ground_height) });
+        lights.len() - 1
+    })
 }
 
 /// Width of a path in pixels: two in a small picture, more in a large one.

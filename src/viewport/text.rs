@@ -11,7 +11,7 @@ use super::{
     camera::{Lens, Tile},
     font,
 };
-use crate::scene::{Label, Scene};
+use crate::scene::{Label, Object, Scene, View};
 
 /// A character, the dark rim round one, or a box; the `Glyph` of `shaders/text.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -26,6 +26,7 @@ pub(super) struct Glyph {
 }
 
 const TITLE: [f32; 4] = [0.62, 0.66, 0.74, 1.0];
+const FOCUSED: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 const CAPTION: [f32; 4] = [0.78, 0.80, 0.84, 1.0];
 const RIM: [f32; 4] = [0.004, 0.004, 0.006, 0.8];
 const STRIP: [f32; 4] = [0.004, 0.004, 0.006, 0.55];
@@ -43,14 +44,18 @@ pub(super) fn layout(scene: &Scene, views: &[(Tile, Lens)], width: u32, height: 
     let mut page = Page { scale: scale(width, height), glyphs: Vec::new(), taken: Vec::new() };
     page.caption(&scene.now.caption, width, height);
     for ((tile, _), view) in views.iter().zip(&scene.now.views) {
-        page.title(&view.title, *tile);
+        page.title(view, *tile);
     }
-    for (tile, lens) in views {
+    for ((tile, lens), view) in views.iter().zip(&scene.now.views) {
+        if !view.shows.contains(Object::Labels) {
+            continue;
+        }
         let mut labels: Vec<_> = scene
             .still
             .labels
             .iter()
             .chain(&scene.now.labels)
+            .filter(|label| view.shows.contains(label.role.object()))
             .filter_map(|label| {
                 let (at, depth) = lens.project(label.at)?;
                 let shown = at.abs().max_element() <= 1.0 && !label.text.is_empty();
@@ -107,12 +112,14 @@ impl Page {
         self.write(&text, self.margin(), top + self.margin(), CAPTION);
     }
 
-    fn title(&mut self, text: &str, tile: Tile) {
+    /// Writes a view's title; the one that keys act on has an arrow before it, and is brighter.
+    fn title(&mut self, view: &View, tile: Tile) {
         let (left, top) = (i64::from(tile.x) + self.margin(), i64::from(tile.y) + self.margin());
-        let text = self.cut(text, i64::from(tile.width) - 2 * self.margin());
+        let (mark, colour) = if view.focused { ("→ ", FOCUSED) } else { ("", TITLE) };
+        let text = self.cut(&format!("{mark}{}", view.title), i64::from(tile.width) - 2 * self.margin());
         let right = left + self.em() * text.chars().count() as i64;
         self.taken.push([left, top, right, top + self.em()]);
-        self.write(&text, left, top, TITLE);
+        self.write(&text, left, top, colour);
     }
 
     fn label(&mut self, label: &Label, at: DVec2, tile: Tile) {
@@ -172,7 +179,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Camera, Now, Projection, Role, Still, View};
+    use crate::scene::{Camera, Now, Objects, Projection, Role, Still};
 
     /// A scene seen from the front, 2 high, with labels at these points.
     fn scene(labels: &[(&str, DVec3)], title: &str, caption: &str) -> Scene {
@@ -198,7 +205,7 @@ mod tests {
                 actors: vec![],
                 marks: vec![],
                 labels: vec![],
-                views: vec![View { camera, title: title.to_owned() }],
+                views: vec![View { camera, title: title.to_owned(), shows: Objects::ALL, focused: false }],
                 caption: caption.to_owned(),
             },
         }
@@ -249,6 +256,28 @@ mod tests {
         let at = places(&glyphs(&scene(&[], &long, &long), 320, 200));
         assert_eq!(at.len(), 2 * (320 - 8) / 8);
         assert!(at.iter().all(|p| p.0 + 8.0 <= 320.0));
+    }
+
+    #[test]
+    fn the_title_of_the_view_in_focus_is_marked() {
+        let mut scene = scene(&[], "front", "");
+        let plain = glyphs(&scene, 640, 360);
+        scene.now.views[0].focused = true;
+        let focused = glyphs(&scene, 640, 360);
+        assert_eq!(places(&focused).len(), places(&plain).len() + 1, "an arrow more");
+        assert_ne!(plain.last().map(|g| g.colour), focused.last().map(|g| g.colour));
+    }
+
+    #[test]
+    fn labels_that_a_view_leaves_out_are_not_written() {
+        let written = |shows| {
+            let mut scene = scene(&[("new", DVec3::ZERO)], "", "");
+            scene.now.views[0].shows = shows;
+            places(&glyphs(&scene, 640, 360)).len()
+        };
+        assert_eq!(written(Objects::ALL.without(Object::Traces)), 3);
+        assert_eq!(written(Objects::ALL.without(Object::NewPath)), 0, "the label goes with what it names");
+        assert_eq!(written(Objects::ALL.without(Object::Labels)), 0);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use super::{
     pipeline::Layouts,
     shadow::{ShadowMap, TO_LIGHT},
 };
-use crate::scene::{Ground, Role};
+use crate::scene::{Ground, MAX_VIEWS, Role};
 
 /// The `View` of `shaders/view.wgsl`, field by field.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -43,21 +43,20 @@ pub(super) struct Common<'a> {
     pub(super) bounds: &'a Bounds,
     pub(super) body_height: f64,
     pub(super) ground: Option<&'a Ground>,
-    pub(super) light: DMat4,
     /// Width of a path in pixels.
     pub(super) line_width: f64,
 }
 
 impl ViewBlock {
-    /// Describes one view.
-    pub(super) fn new(common: &Common<'_>, lens: &Lens, tile: Tile) -> Self {
+    /// Describes one view; `light` is the matrix from the world to its shadow map.
+    pub(super) fn new(common: &Common<'_>, lens: &Lens, tile: Tile, light: DMat4) -> Self {
         let origin = common.origin;
         let height = common.ground.map_or(0.0, |g| g.height) - origin.y;
         let (right, up) = lens.spread();
         let [r, g, b, _] = batch::colour(Role::Ground);
         Self {
             view_proj: lens.matrix(origin, common.bounds, common.body_height).as_mat4().to_cols_array_2d(),
-            light_view_proj: common.light.as_mat4().to_cols_array_2d(),
+            light_view_proj: light.as_mat4().to_cols_array_2d(),
             eye: vec4(lens.eye - origin, if lens.is_perspective() { 1.0 } else { 0.0 }),
             forward: vec4(lens.forward, common.body_height * RIBBON_LIFT_HEIGHTS),
             right: vec4(right, f64::from(tile.width)),
@@ -93,68 +92,64 @@ fn sane_cell(ground: &Ground) -> f64 {
     if ground.cell > 0.0 { ground.cell } else { ground.half_extent.max(1e-9) }
 }
 
-/// The blocks of a picture's views in one buffer, with the descriptor set that the shaders see them through.
+/// The blocks of a picture's views in one buffer, with the descriptor sets that the shaders see them through.
 pub(super) struct ViewBlocks {
     buffer: Buffer,
     /// Bytes from one block to the next.
     stride: usize,
     pool: vk::DescriptorPool,
-    set: vk::DescriptorSet,
+    /// One for each shadow map; one alone when there is none.
+    sets: Vec<vk::DescriptorSet>,
     device: Rc<Device>,
 }
 
 impl ViewBlocks {
-    /// Makes room for one view and binds the shadow map, if there is one.
+    /// Makes room for as many views as a picture has and binds the shadow maps, if there are any.
     ///
     /// # Errors
     ///
     /// When memory has run out.
-    pub(super) fn new(device: &Rc<Device>, layouts: &Layouts, shadow: Option<&ShadowMap>) -> Result<Self, GpuError> {
+    pub(super) fn new(device: &Rc<Device>, layouts: &Layouts, shadows: &[ShadowMap]) -> Result<Self, GpuError> {
         let what = "set up its views";
-        let size = |kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(1);
+        let n_sets = shadows.len().max(1) as u32;
+        let size = |kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(n_sets);
         let sizes = [
             size(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC),
             size(vk::DescriptorType::SAMPLED_IMAGE),
             size(vk::DescriptorType::SAMPLER),
         ];
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(n_sets).pool_sizes(&sizes);
         let align = device.properties.limits.min_uniform_buffer_offset_alignment.max(1) as usize;
         let stride = size_of::<ViewBlock>().next_multiple_of(align);
-        let buffer = Buffer::written(device, stride * 4, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
+        let buffer = Buffer::written(device, stride * MAX_VIEWS, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
         // SAFETY: the device is alive and `info` points to locals.
         let pool = unsafe { device.handle.create_descriptor_pool(&info, None) }.map_err(failed_to(what))?;
-        let mut blocks = Self { buffer, stride, pool, set: vk::DescriptorSet::null(), device: Rc::clone(device) };
-        let layout = [layouts.view_set];
+        let mut blocks = Self { buffer, stride, pool, sets: Vec::new(), device: Rc::clone(device) };
+        let layout = vec![layouts.view_set; n_sets as usize];
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layout);
-        // SAFETY: the pool has room for this one set.
-        blocks.set = unsafe { device.handle.allocate_descriptor_sets(&info) }.map_err(failed_to(what))?[0];
-        blocks.bind_buffer();
-        if let Some(shadow) = shadow {
-            blocks.bind_shadow(shadow);
+        // SAFETY: the pool has room for this many sets.
+        blocks.sets = unsafe { device.handle.allocate_descriptor_sets(&info) }.map_err(failed_to(what))?;
+        for &set in &blocks.sets {
+            blocks.bind_buffer(set);
+        }
+        for (&set, shadow) in blocks.sets.iter().zip(shadows) {
+            blocks.bind_shadow(set, shadow);
         }
         Ok(blocks)
     }
 
-    /// Replaces the blocks; the device must not be reading them.
-    ///
-    /// # Errors
-    ///
-    /// When memory has run out.
-    pub(super) fn set(&mut self, blocks: &[ViewBlock]) -> Result<(), GpuError> {
-        if self.buffer.size() < self.stride * blocks.len() {
-            let size = (self.stride * blocks.len()).next_power_of_two();
-            self.buffer = Buffer::written(&self.device, size, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
-            self.bind_buffer();
-        }
+    /// Replaces the blocks, [`MAX_VIEWS`] at most; the device must not be reading them.
+    pub(super) fn set(&mut self, blocks: &[ViewBlock]) {
         for (i, block) in blocks.iter().enumerate() {
             self.buffer.write(i * self.stride, std::slice::from_ref(block));
         }
-        Ok(())
     }
 
-    /// Records that what follows is drawn in a view.
-    pub(super) fn bind(&self, commands: vk::CommandBuffer, layouts: &Layouts, view: usize) {
+    /// Records that what follows is drawn in a view, in the light of a shadow map.
+    pub(super) fn bind(&self, commands: vk::CommandBuffer, layouts: &Layouts, view: usize, shadow: usize) {
         let offset = (view * self.stride) as u32;
+        // Without shadow maps there is one set, and no shader looks for a shadow.
+        let set = self.sets[shadow.min(self.sets.len() - 1)];
         // SAFETY: the command buffer is being recorded, and the set was made for this layout.
         unsafe {
             self.device.handle.cmd_bind_descriptor_sets(
@@ -162,17 +157,17 @@ impl ViewBlocks {
                 vk::PipelineBindPoint::GRAPHICS,
                 layouts.view,
                 0,
-                &[self.set],
+                &[set],
                 &[offset],
             );
         }
     }
 
-    fn bind_buffer(&self) {
+    fn bind_buffer(&self, set: vk::DescriptorSet) {
         let buffer =
             [vk::DescriptorBufferInfo::default().buffer(self.buffer.handle).range(size_of::<ViewBlock>() as u64)];
         let write = vk::WriteDescriptorSet::default()
-            .dst_set(self.set)
+            .dst_set(set)
             .dst_binding(0)
             .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
             .buffer_info(&buffer);
@@ -180,14 +175,13 @@ impl ViewBlocks {
         unsafe { self.device.handle.update_descriptor_sets(&[write], &[]) };
     }
 
-    fn bind_shadow(&self, shadow: &ShadowMap) {
+    fn bind_shadow(&self, set: vk::DescriptorSet, shadow: &ShadowMap) {
         let image = [vk::DescriptorImageInfo::default()
             .image_view(shadow.image.view)
             .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
         let sampler = [vk::DescriptorImageInfo::default().sampler(shadow.sampler)];
-        let write = |binding, kind| {
-            vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(binding).descriptor_type(kind)
-        };
+        let write =
+            |binding, kind| vk::WriteDescriptorSet::default().dst_set(set).dst_binding(binding).descriptor_type(kind);
         let writes = [
             write(1, vk::DescriptorType::SAMPLED_IMAGE).image_info(&image),
             write(2, vk::DescriptorType::SAMPLER).image_info(&sampler),
@@ -199,7 +193,7 @@ impl ViewBlocks {
 
 impl Drop for ViewBlocks {
     fn drop(&mut self) {
-        // SAFETY: the owner has waited for the device; the set goes with its pool.
+        // SAFETY: the owner has waited for the device; the sets go with their pool.
         unsafe { self.device.handle.destroy_descriptor_pool(self.pool, None) };
     }
 }

@@ -11,7 +11,7 @@ use winit::{
     application::ApplicationHandler,
     dpi::{LogicalSize, PhysicalPosition},
     error::{EventLoopError, OsError},
-    event::{ElementState, MouseButton, WindowEvent},
+    event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent},
     event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy},
     keyboard::ModifiersState,
     window::{Window, WindowId},
@@ -26,12 +26,15 @@ use super::{
     swapchain::{Shown, Swapchain},
 };
 use crate::{
-    scene::{FromPreview, Scene},
+    scene::{FromPreview, MAX_WHEEL_STEPS, Scene},
     sync::Mailbox,
 };
 
 /// Size of a new window, in the desktop's units.
 const FIRST_SIZE: LogicalSize<f64> = LogicalSize::new(960.0, 600.0);
+
+/// Pixels of a touchpad's travel that count as one step of a wheel.
+const PIXELS_PER_STEP: f64 = 40.0;
 
 /// Opens a window and shows the newest scene of the mailbox in it until one of the two is closed.
 ///
@@ -55,6 +58,7 @@ pub fn run(title: &str, options: &RendererOptions, scenes: &Mailbox<Scene>, even
         modifiers: ModifiersState::empty(),
         pointer: None,
         pressed_in: None,
+        wheel: 0.0,
         ended: false,
     };
     if let Err(why) = app.run(scenes)
@@ -110,6 +114,8 @@ struct App<'a, E> {
     pointer: Option<PhysicalPosition<f64>>,
     /// The view in which the button went down.
     pressed_in: Option<u32>,
+    /// Turns of the wheel that do not yet make a step.
+    wheel: f64,
     /// The last event was sent.
     ended: bool,
 }
@@ -193,6 +199,24 @@ impl<E: FnMut(FromPreview)> App<'_, E> {
         }
     }
 
+    /// Answers the pointer's wheel: whole steps are told, what is left is kept.
+    fn wheel(&mut self, delta: MouseScrollDelta) {
+        self.wheel += match delta {
+            MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
+            MouseScrollDelta::PixelDelta(by) => by.y / PIXELS_PER_STEP,
+        };
+        let steps = self.wheel.trunc();
+        self.wheel -= steps;
+        let steps = (steps as i32).clamp(-MAX_WHEEL_STEPS, MAX_WHEEL_STEPS);
+        let (Some(scene), Some(window), Some(at)) = (&self.scene, &self.window, self.pointer) else { return };
+        let size = window.inner_size();
+        if steps != 0
+            && let Some(ray) = camera::pick(&scene.now.views, size.width, size.height, at.x, at.y)
+        {
+            (self.events)(FromPreview::Wheel { view: ray.view, steps });
+        }
+    }
+
     fn request_redraw(&self) {
         if let Some(window) = &self.window {
             window.request_redraw();
@@ -237,6 +261,7 @@ impl<E: FnMut(FromPreview)> ApplicationHandler<Wake> for App<'_, E> {
                 }
             }
             WindowEvent::CursorMoved { position, .. } => self.motion(position),
+            WindowEvent::MouseWheel { delta, .. } => self.wheel(delta),
             WindowEvent::MouseInput { state, button: MouseButton::Left, .. } => self.button(state),
             _ => {}
         }

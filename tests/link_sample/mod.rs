@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use walkabout::scene::{
-    Body, Camera, Curve, Ground, Label, Limb, Mark, Now, Projection, Role, Scene, Still, Stroke, View,
+    Body, Camera, Curve, Ground, Label, Limb, Mark, Now, Object, Objects, Projection, Role, Scene, Still, Stroke, View,
 };
 
 /// Joints of each actor.
@@ -69,5 +69,6 @@ pub(crate) fn scene(revision: u64, frame: u32) -> Scene {
 }
 
 fn view(camera: Camera, title: &str) -> View {
-    View { camera, title: title.to_owned() }
+    let hidden = if title == "3 side" { Object::Traces } else { Object::Labels };
+    View { camera, title: title.to_owned(), shows: Objects::ALL.without(hidden), focused: title == "2 front" }
 }

@@ -9,7 +9,7 @@ mod scenes;
 use std::{sync::Arc, thread};
 
 use walkabout::{
-    scene::{FromPreview, Picture, Scene},
+    scene::{FromPreview, Object, Objects, Picture, Scene},
     sync::Mailbox,
     viewport::{DeviceChoice, Quality, Renderer, RendererOptions, ValidationLog, headless},
 };
@@ -65,6 +65,58 @@ fn four_views() {
     let mut scene = scenes::full();
     scene.now.views = scenes::cameras().to_vec();
     check("four-views", &scene, Quality::Full, 960, 600);
+}
+
+#[test]
+fn four_views_that_show_different_things() {
+    let mut scene = scenes::full();
+    scene.now.views = scenes::different_views().to_vec();
+    check("different-views", &scene, Quality::Full, 960, 600);
+}
+
+/// Draws a scene in four equal views, then the same with something left out of the last one, then a scene without it:
+/// the last view must be as of that, and the others as ever.
+fn check_left_out(whole: &Scene, object: Object, without: &Scene) {
+    let Some((mut renderer, log)) = renderer(Quality::Full) else { return };
+    let mut draw = |scene: &Scene, shows: Objects| {
+        let mut scene = scene.clone();
+        scene.now.views = vec![scenes::cameras()[0].clone(); 4];
+        scene.now.views[3].shows = shows;
+        renderer.render(&scene, 640, 400).expect("draws")
+    };
+    let mixed = draw(whole, Objects::ALL.without(object));
+    let whole = draw(whole, Objects::ALL);
+    let without = draw(without, Objects::ALL);
+    // The gap is one pixel wide here.
+    let quarter = |picture: &Picture, right: bool, below: bool| -> Vec<u8> {
+        let rows = if below { 202..400 } else { 0..199 };
+        let columns = if right { 322 * 3..640 * 3 } else { 0..318 * 3 };
+        rows.flat_map(|row| picture.rgb[row * 640 * 3..][columns.clone()].to_vec()).collect()
+    };
+    for (right, below) in [(false, false), (true, false), (false, true)] {
+        let same = quarter(&mixed, right, below) == quarter(&whole, right, below);
+        assert!(same, "{object:?}: right {right}, below {below}");
+    }
+    assert!(quarter(&mixed, true, true) != quarter(&whole, true, true), "{object:?}");
+    assert!(quarter(&mixed, true, true) == quarter(&without, true, true), "{object:?}: with its shadow and its name");
+    drop(renderer);
+    silent(&log);
+}
+
+#[test]
+fn a_view_leaves_out_what_the_others_show() {
+    let mut without = scenes::full();
+    without.now.actors[0].clear();
+    without.now.labels.remove(0);
+    check_left_out(&scenes::full(), Object::OriginalSkeleton, &without);
+}
+
+#[test]
+fn bodies_are_edges_in_some_views_and_solid_in_others() {
+    let mut solid = scenes::wireframe();
+    let still = Arc::make_mut(&mut solid.still);
+    still.bodies.iter_mut().for_each(|body| body.wireframe = false);
+    check_left_out(&scenes::wireframe(), Object::Wireframe, &solid);
 }
 
 #[test]

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use walkabout::motion::Side;
 use walkabout::scene::{
-    Body, Camera, Curve, Footprint, Ground, Label, Limb, Mark, Now, Projection, Role, Scene, Still, Stroke, View,
+    Body, Camera, Curve, Footprint, Ground, Label, Limb, Mark, Now, Object, Objects, Projection, Role, Scene, Still,
+    Stroke, View,
 };
 
 /// A walking pose, metres, at the origin, facing +z; x is to the left.
@@ -90,6 +91,8 @@ pub(crate) fn cameras() -> [View; 4] {
     let view = |title: &str, eye, target, up, projection| View {
         camera: Camera { eye, target, up, projection },
         title: title.to_owned(),
+        shows: Objects::ALL,
+        focused: false,
     };
     let perspective = Projection::Perspective { fov_y_rad: 0.7 };
     let parallel = Projection::Orthographic { height: 5.2 };
@@ -100,6 +103,23 @@ pub(crate) fn cameras() -> [View; 4] {
         view("3 side", at(20.0, 0.8, 2.6), middle, DVec3::Y, parallel),
         view("4 top", at(0.0, 20.0, 2.6), middle, DVec3::NEG_Z, Projection::Orthographic { height: 7.5 }),
     ]
+}
+
+/// The cameras' views, each with something left out, the second one in focus: the original actor with its path and
+/// tracker, so without its shadow too; both actors and the texts; the ground; both actors, the points and a tracker.
+pub(crate) fn different_views() -> [View; 4] {
+    let mut views = cameras();
+    let hidden: [&[Object]; 4] = [
+        &[Object::OriginalSkeleton, Object::OriginalPath, Object::OriginalTracker],
+        &[Object::OriginalSkeleton, Object::NewSkeleton, Object::Labels],
+        &[Object::Ground],
+        &[Object::OriginalSkeleton, Object::NewSkeleton, Object::ControlPoints, Object::NewTracker],
+    ];
+    for (view, hidden) in views.iter_mut().zip(hidden) {
+        view.shows = hidden.iter().fold(Objects::ALL, |shows, object| shows.without(*object));
+    }
+    views[1].focused = true;
+    views
 }
 
 /// Two actors, both paths, control points with their polygon, trackers, labels and ground.
@@ -187,6 +207,8 @@ pub(crate) fn selected() -> Scene {
             projection: Projection::Perspective { fov_y_rad: 0.6 },
         },
         title: "selected".to_owned(),
+        shows: Objects::ALL,
+        focused: false,
     };
     scene.now.caption = String::new();
     scene
@@ -285,6 +307,8 @@ pub(crate) fn ribbons() -> Scene {
                     projection: Projection::Perspective { fov_y_rad: 0.6 },
                 },
                 title: String::new(),
+                shows: Objects::ALL,
+                focused: false,
             }],
             caption: String::new(),
         },

@@ -16,7 +16,8 @@ use x11rb::{
     rust_connection::RustConnection,
 };
 
-use crate::preview::PATIENCE;
+/// Longer than anything takes on a busy machine.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// An X server without a screen, and a connection to it.
 pub(crate) struct Desktop {
@@ -132,6 +133,12 @@ impl X11Window<'_> {
         self.connection().configure_window(self.window, &size).expect("a connection").check().expect("a window");
     }
 
+    /// Moves the window's top left corner to a place on the screen; what another window covers cannot be photographed.
+    pub(crate) fn place(&self, x: i32, y: i32) {
+        let place = ConfigureWindowAux::new().x(x).y(y);
+        self.connection().configure_window(self.window, &place).expect("a connection").check().expect("a window");
+    }
+
     pub(crate) fn hide(&self) {
         self.connection().unmap_window(self.window).expect("a connection").check().expect("a window");
     }
@@ -166,6 +173,14 @@ impl X11Window<'_> {
         self.desktop.fake_input(MOTION, 0, at.dst_x, at.dst_y);
     }
 
+    /// Turns the wheel by a step, away from the user or towards.
+    pub(crate) fn wheel(&self, away: bool) {
+        let button = if away { 4 } else { 5 };
+        for kind in [4, 5] {
+            self.desktop.fake_input(kind, button, 0, 0);
+        }
+    }
+
     /// Presses or releases the first button.
     pub(crate) fn button(&self, press: bool) {
         self.desktop.fake_input(if press { 4 } else { 5 }, 1, 0, 0);
@@ -186,7 +201,7 @@ impl X11Window<'_> {
     }
 
     /// What is on the screen; none while the window is not shown.
-    fn screenshot(&self) -> Option<Picture> {
+    pub(crate) fn screenshot(&self) -> Option<Picture> {
         let size = self.connection().get_geometry(self.window).ok()?.reply().ok()?;
         let (width, height) = (size.width, size.height);
         let image = self

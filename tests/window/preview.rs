@@ -14,15 +14,15 @@ use std::{
 
 use glam::DVec3;
 use walkabout::{
-    scene::{Body, Camera, FromPreview, Ground, Limb, Now, Projection, Role, Scene, Still, View},
+    scene::{Body, Camera, FromPreview, Ground, Limb, Now, Objects, Projection, Role, Scene, Still, View},
     sync::Mailbox,
     viewport::{DeviceChoice, RendererOptions, ValidationLog, headless, window},
 };
 
+use crate::desktop::PATIENCE;
+
 /// Says to this program that it is the preview, and which one.
 const CHILD: &str = "WALKABOUT_TEST_PREVIEW";
-/// Longer than anything takes on a busy machine.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 const TARGET: DVec3 = DVec3::new(0.0, 0.6, 0.0);
 
@@ -56,6 +56,8 @@ pub(crate) fn scene(number: u32) -> Scene {
                     projection: Projection::Perspective { fov_y_rad: 0.8 },
                 },
                 title: "test".to_owned(),
+                shows: Objects::ALL,
+                focused: false,
             }],
             caption: format!("scene {number}"),
         },
@@ -105,6 +107,7 @@ fn describe(event: &FromPreview) -> String {
         }
         FromPreview::Drag(_) => "drag".to_owned(),
         FromPreview::Release => "release".to_owned(),
+        FromPreview::Wheel { view, steps } => format!("wheel {steps} in view {view}"),
         FromPreview::Frame(picture) => format!("frame {}×{}", picture.width, picture.height),
         FromPreview::Closed => "closed".to_owned(),
         FromPreview::Failed(text) => format!("failed {text}"),
