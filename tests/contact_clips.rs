@@ -87,7 +87,8 @@ const KNOWN: [Known; 17] = [
     known("axis_neuron_354_channels", FOOT_END, Some([1, 2])),
     // On the spot: the feet slide back all the time.
     known("makehuman_walk_in_place_z_up", ["UpLeg_L", "LoLeg_L", "Foot_L", "Toe_L"], Some([0, 0])),
-    known("makehuman_pose_891_channels", ["upperleg01.L", "lowerleg01.L", "foot.L", "toe3-1.L"], Some([0, 0])),
+    // One pose: it stands still for as long as the clip is made to last.
+    known("makehuman_pose_891_channels", ["upperleg01.L", "lowerleg01.L", "foot.L", "toe3-1.L"], Some([1, 1])),
     known("boxing_one_extra_row", ["LeftHip", "LeftKnee", "LeftAnkle", "LeftToes"], None),
     known("cmu_61_09_salsa_metres", ["lThigh", "lShin", "lFoot", "lFoot end site"], None),
     known("rokoko_dance", CMU, None),

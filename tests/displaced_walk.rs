@@ -206,6 +206,25 @@ fn the_carrier_moves_in_the_world_and_with_its_path() {
 }
 
 #[test]
+fn feet_stand_where_a_carrier_that_layers_move_takes_them() {
+    let mut document = opened(&[], Some("circle"));
+    let solved = Arc::clone(document.solved());
+    let hips = joint(&solved, "Hips");
+    for (frame, angle) in [(60, 0.25), (150, -0.2), (300, 0.3), (450, -0.25)] {
+        apply(&mut document, turn(frame, hips, DVec3::new(0.0, 0.6, 0.8), angle));
+        let by = solved.clip.facts.height.value * 0.04 * DVec3::new(angle.signum(), -0.5, 0.3);
+        apply(&mut document, Change::Pose { layer_idx: 0, frame_idx: frame, change: PoseChange::MoveCarrier { by } });
+    }
+    let solved = document.solved();
+    assert_eq!(solved.missed_plants().count(), 0);
+    for numbers in solved.foot_numbers.iter() {
+        let (speed, slip) = (numbers.planted_speed.expect("it stands"), numbers.slip_p90.expect("it stands"));
+        println!("speed {:.4} → {:.4}, slip {:.4} → {:.4}", speed.source, speed.edited, slip.source, slip.edited);
+        assert!(speed.edited < 1.02 * speed.source + 1e-9 && slip.edited < 1.05 * slip.source + 1e-9);
+    }
+}
+
+#[test]
 fn merged_layers_come_back_from_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut document = opened(&[], Some("eight"));

@@ -97,7 +97,10 @@ impl Prepared {
     ///
     /// `feet` are the legs to hold with their plants. Legs without plants, legs whose joints do not hang below the
     /// carrier or cannot be turned, and legs without length are left out.
-    pub fn new(posed: &EditedClip, feet: &[FootPlants]) -> Self {
+    ///
+    /// `own_carrier` is where the carrier would be if layers did not move it, at every frame; empty if they do not. A
+    /// carrier that layers move takes its feet along to where they stand, but does not let them slide.
+    pub fn new(posed: &EditedClip, own_carrier: &[Rigid], feet: &[FootPlants]) -> Self {
         let clip = &*posed.clip;
         let n_frames = clip.n_frames();
         let height = clip.facts.height.value;
@@ -114,12 +117,13 @@ impl Prepared {
                 leg.poses.extend(poses);
             }
         }
+        let moved_back: Vec<Rigid> = own_carrier.iter().zip(&to_origin).map(|(&own, &back)| own * back).collect();
         for (leg, foot) in legs.iter_mut().zip(held) {
             set_hinges(&mut leg.poses);
             leg.plants = (foot.plants.iter())
                 .filter(|plant| plant.first < n_frames)
                 .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
-                .map(|plant| PreparedPlant::new(plant, &leg.frames, clip.frame_time_secs))
+                .map(|plant| PreparedPlant::new(plant, &leg.frames, clip.frame_time_secs, &moved_back))
                 .collect();
         }
         legs.retain(|leg| !leg.plants.is_empty() && leg.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
@@ -150,10 +154,17 @@ impl Prepared {
     }
 }
 
+impl LegFrame {
+    /// Returns the same elsewhere in the world.
+    fn moved(&self, by: &Rigid) -> Self {
+        Self { ankle_world: *by * self.ankle_world, toe_world: by.point(self.toe_world), ..*self }
+    }
+}
+
 impl PreparedLeg {
     /// Tells whether the foot slides in its plants as it did.
     pub(super) fn keeps_its_slides(&self) -> bool {
-        self.plants.iter().all(|plant| plant.plant.mode != PlantMode::Clean)
+        self.plants.iter().all(|plant| plant.slide.slid.is_empty())
     }
 }
 
@@ -258,12 +269,30 @@ impl LegFrame {
 }
 
 impl PreparedPlant {
-    fn new(plant: Plant, frames: &[LegFrame], frame_time_secs: f64) -> Self {
+    /// `moved_back` takes each frame to where the carrier's own motion has it; empty when it is there.
+    fn new(plant: Plant, frames: &[LegFrame], frame_time_secs: f64, moved_back: &[Rigid]) -> Self {
         let stands = &frames[plant.first..=plant.last];
         let sum: DVec3 = stands.iter().map(LegFrame::foot).sum();
         let along: DVec3 = stands.iter().map(|f| f.toe_world - f.ankle_world.translation).sum();
-        let clean = plant.mode == PlantMode::Clean;
-        let slide = if clean { Slide::new(&plant, frames, frame_time_secs) } else { Slide::default() };
+        let slide = match plant.mode {
+            PlantMode::Clean => {
+                let own = |from: usize, to: usize| {
+                    let by_toe = is_by_toe(&frames[from], &frames[to]);
+                    point_step(&frames[from], &frames[to], by_toe)
+                };
+                Slide::new(&plant, frames.len(), frame_time_secs, own)
+            }
+            PlantMode::Hold if !moved_back.is_empty() => {
+                // What the carrier's own motion made of the same step is the foot's own slide.
+                let added = |from: usize, to: usize| {
+                    let own = [from, to].map(|frame| frames[frame].moved(&moved_back[frame]));
+                    let by_toe = is_by_toe(&own[0], &own[1]);
+                    point_step(&frames[from], &frames[to], by_toe) - point_step(&own[0], &own[1], by_toe)
+                };
+                Slide::new(&plant, frames.len(), frame_time_secs, added)
+            }
+            PlantMode::Hold | PlantMode::Slide => Slide::default(),
+        };
         let n = stands.len() as f64;
         Self { plant, slide, foot: sum / n, along: along / n }
     }
@@ -288,16 +317,17 @@ struct Slide {
 }
 
 impl Slide {
-    fn new(plant: &Plant, frames: &[LegFrame], frame_time_secs: f64) -> Self {
+    /// Adds up the steps of a plant; `step` is how far the foot slides from one frame to the next.
+    fn new(plant: &Plant, n_frames: usize, frame_time_secs: f64, step: impl Fn(usize, usize) -> DVec3) -> Self {
         let rest = (REST_SECS / frame_time_secs).ceil().max(1.0);
         let first = plant.first.saturating_sub(rest as usize);
-        let last = (plant.last + rest as usize).min(frames.len() - 1);
+        let last = (plant.last + rest as usize).min(n_frames - 1);
         let mut slid = vec![DVec3::ZERO];
         for to in first + 1..=last {
             // Outside the plant, what its first or last step was.
             let like = if plant.first < plant.last { to.clamp(plant.first + 1, plant.last) } else { to };
             let share = 1.0 - smootherstep(to.abs_diff(like) as f64 / rest);
-            slid.push(slid[slid.len() - 1] + share * contact_step(&frames[like - 1], &frames[like]));
+            slid.push(slid[slid.len() - 1] + share * step(like - 1, like));
         }
         let stands = &slid[plant.first - first..=plant.last - first];
         let mean = stands.iter().sum::<DVec3>() / stands.len() as f64;
@@ -306,10 +336,16 @@ impl Slide {
     }
 }
 
-/// Returns the horizontal step of the contact point.
-fn contact_step(from: &LegFrame, to: &LegFrame) -> DVec3 {
-    let flat = |v: DVec3| DVec3 { y: 0.0, ..v };
-    let ankle = flat(to.ankle_world.translation - from.ankle_world.translation);
-    let toe = flat(to.toe_world - from.toe_world);
-    if toe.length_squared() < ankle.length_squared() { toe } else { ankle }
+/// Tells whether the foot stands on its toe from one frame to another: that moves less than the ankle.
+fn is_by_toe(from: &LegFrame, to: &LegFrame) -> bool {
+    point_step(from, to, true).length_squared() < point_step(from, to, false).length_squared()
+}
+
+/// Returns the horizontal step of the toe or of the ankle.
+fn point_step(from: &LegFrame, to: &LegFrame, of_toe: bool) -> DVec3 {
+    let step = match of_toe {
+        true => to.toe_world - from.toe_world,
+        false => to.ankle_world.translation - from.ankle_world.translation,
+    };
+    step.with_y(0.0)
 }

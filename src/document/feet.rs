@@ -9,6 +9,7 @@ use super::{
 use crate::{
     constrain::Prepared,
     contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
+    math::Rigid,
     measure::{Body, FootMeasure, FootNumbers, FootTracks},
     motion::{Clip, ClipOptions, Decided, EditedClip, Leg, PointTracks, Side, legs::find_legs},
 };
@@ -93,14 +94,14 @@ impl Feet {
 }
 
 /// Prepares the legs of a clip to be held; `clean` removes the feet's own slide from plants that are only to be held.
-pub(super) fn prepared(posed: &EditedClip, plants: &[FootPlants], clean: bool) -> Prepared {
+pub(super) fn prepared(posed: &EditedClip, own_carrier: &[Rigid], plants: &[FootPlants], clean: bool) -> Prepared {
     let mut feet = plants.to_vec();
     for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
         if clean && plant.mode == PlantMode::Hold {
             plant.mode = PlantMode::Clean;
         }
     }
-    Prepared::new(posed, &feet)
+    Prepared::new(posed, own_carrier, &feet)
 }
 
 /// Returns the points that are measured: ankle and toe of each leg.

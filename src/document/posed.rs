@@ -140,8 +140,16 @@ impl Posed {
                 && p.walked.plants == walked.plants
                 && p.edits.plants.clean == edits.plants.clean
         });
-        let prepared =
-            reuse(same_legs, |p| &p.posed.prepared, || feet::prepared(&legs, &walked.plants, edits.plants.clean));
+        let prepared = reuse(
+            same_legs,
+            |p| &p.posed.prepared,
+            || {
+                let path = walked.path(loaded.original);
+                let own = |range: Range<usize>| range.map(|frame| residuals.apply(frame, &path[frame])).collect();
+                let own_carrier = if displaced.moves_carrier() { listed(path.len(), own) } else { Vec::new() };
+                feet::prepared(&legs, &own_carrier, &walked.plants, edits.plants.clean)
+            },
+        );
         let joints = turning_joints(&walked.clip, &prepared, &displaced);
         let same_turning = same_walk.filter(|p| p.posed.turning.joints().eq(joints.iter().copied()));
         let turning = reuse(

@@ -1,4 +1,4 @@
-//! The parameter table: every number, choice and switch of [`Edits`](super::Edits) by the name that panels, `--set` and project
+//! The parameter table: every number, choice and switch of [`Edits`] by the name that panels, `--set` and project
 //! files share.
 //!
 //! Adding a parameter is one row here, one line in the stage that reads it, one test.

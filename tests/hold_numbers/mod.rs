@@ -136,7 +136,7 @@ impl Plain {
     }
 
     pub(crate) fn held(&self, subject: &Subject, feet: &[FootPlants]) -> Held {
-        hold(&Prepared::new(&subject.posed(), feet), &self.job(Ground::Steps))
+        hold(&Prepared::new(&subject.posed(), &[], feet), &self.job(Ground::Steps))
     }
 }
 
