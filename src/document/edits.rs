@@ -272,21 +272,7 @@ impl Show {
 
 impl Default for Show {
     fn default() -> Self {
-        Self {
-            original_skeleton: true,
-            new_skeleton: true,
-            original_path: true,
-            new_path: true,
-            control_points: true,
-            original_tracker: true,
-            new_tracker: true,
-            ground: true,
-            footprints: true,
-            traces: false,
-            wireframe: false,
-            normal_skeleton: false,
-            labels: true,
-        }
+        Self { traces: false, wireframe: false, normal_skeleton: false, ..Self::ALL }
     }
 }
 
