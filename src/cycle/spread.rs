@@ -13,6 +13,8 @@
 
 use glam::{DQuat, DVec3};
 
+use crate::math::rotation_vector_between;
+
 /// A window on both sides of a seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Window {
@@ -68,22 +70,16 @@ impl Jump<DVec3> {
 
     /// Returns the jump between rotations: each side's rotation at the seam and one frame earlier.
     pub(super) fn of_rotations(before: [DQuat; 2], after: [DQuat; 2]) -> Self {
-        Self { value: turn(before[1], after[1]), rate: turn(after[0], after[1]) - turn(before[0], before[1]) }
+        Self {
+            value: rotation_vector_between(before[1], after[1]),
+            rate: rotation_vector_between(after[0], after[1]) - rotation_vector_between(before[0], before[1]),
+        }
     }
 
     /// Returns the jump between places: each side's place at the seam and one frame earlier.
     pub(super) fn of_places(before: [DVec3; 2], after: [DVec3; 2]) -> Self {
         Self { value: after[1] - before[1], rate: (after[1] - after[0]) - (before[1] - before[0]) }
     }
-}
-
-/// Returns the rotation vector, in the space of `from`, that takes one rotation to the other the short way.
-pub(super) fn turn(from: DQuat, to: DQuat) -> DVec3 {
-    let turn = from.conjugate() * to;
-    let turn = if turn.w < 0.0 { -turn } else { turn };
-    let sine = turn.xyz().length();
-    // The vector part of a small rotation is half its rotation vector.
-    if sine < 1e-12 { 2.0 * turn.xyz() } else { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) }
 }
 
 #[cfg(test)]
@@ -145,15 +141,5 @@ mod tests {
         assert_eq!(Window { n_frames: 0 }.at(0), None);
         assert_eq!(Window { n_frames: 3 }.at(3), None);
         assert_eq!(Window { n_frames: 3 }.at(0), Some(Shares { value: -0.5, rate: 0.0 }));
-    }
-
-    #[test]
-    fn a_turn_is_a_rotation_vector_the_short_way() {
-        let from = DQuat::from_rotation_x(0.8);
-        for v in [DVec3::ZERO, DVec3::new(1e-14, 0.0, 0.0), DVec3::new(0.3, -2.0, 1.0), DVec3::new(0.0, 3.1, 0.0)] {
-            let found = turn(from, from * DQuat::from_scaled_axis(v));
-            assert!(found.abs_diff_eq(v, 1e-12), "{v} {found}");
-            assert!(turn(from, -(from * DQuat::from_scaled_axis(v))).abs_diff_eq(v, 1e-12));
-        }
     }
 }

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use super::{Editor, Handle, Row, RowKind, TABS, Tab, panel};
 use crate::{
     displace::{MapPoint, PointValue, Selection, find_joint, joint_name},
-    math::rotation_vector,
+    math::rotation_vector_between,
 };
 
 /// What all layers together do to one joint or to the carrier's place, frame by frame of the clip.
@@ -40,12 +40,13 @@ impl Editor {
                 let turned = displaced.turned.iter().find(|turned| turned.joint == id);
                 let carrier_turns = if id == clip.facts.carrier.value { &displaced.carrier_turns[..] } else { &[] };
                 let turn = |frame: usize| match (turned, carrier_turns.get(frame)) {
-                    (Some(turned), _) => clip.rotations(frame)[id.idx()].conjugate() * turned.rotations[frame],
-                    (None, Some(&turn)) => turn,
-                    (None, None) => DQuat::IDENTITY,
+                    (Some(turned), _) => {
+                        rotation_vector_between(clip.rotations(frame)[id.idx()], turned.rotations[frame])
+                    }
+                    (None, Some(&turn)) => rotation_vector_between(DQuat::IDENTITY, turn),
+                    (None, None) => DVec3::ZERO,
                 };
-                let short_way = |turn: DQuat| if turn.w < 0.0 { -turn } else { turn };
-                let degrees = |frame| rotation_vector(short_way(turn(frame))).map(f64::to_degrees);
+                let degrees = |frame| turn(frame).map(f64::to_degrees);
                 ((0..n_frames).map(degrees).collect(), ["x", "y", "z"], "°".to_owned())
             }
         };

@@ -75,6 +75,12 @@ pub fn rotation_vector(turn: DQuat) -> DVec3 {
     if sine == 0.0 { DVec3::ZERO } else { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) }
 }
 
+/// Returns the rotation vector, in the space of `from`, that takes one rotation to the other the short way.
+pub fn rotation_vector_between(from: DQuat, to: DQuat) -> DVec3 {
+    let turn = from.conjugate() * to;
+    rotation_vector(if turn.w < 0.0 { -turn } else { turn })
+}
+
 /// Brings an angle into (−π, π].
 pub fn wrap_rad(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
@@ -117,6 +123,16 @@ mod tests {
         unwrap_rad(&mut angles);
         for pair in angles.windows(2) {
             assert!((pair[1] - pair[0]).abs() <= std::f64::consts::PI);
+        }
+    }
+
+    #[test]
+    fn a_turn_is_a_rotation_vector_the_short_way() {
+        let from = DQuat::from_rotation_x(0.8);
+        for v in [DVec3::ZERO, DVec3::new(1e-14, 0.0, 0.0), DVec3::new(0.3, -2.0, 1.0), DVec3::new(0.0, 3.1, 0.0)] {
+            let found = rotation_vector_between(from, from * DQuat::from_scaled_axis(v));
+            assert!(found.abs_diff_eq(v, 1e-12), "{v} {found}");
+            assert!(rotation_vector_between(from, -(from * DQuat::from_scaled_axis(v))).abs_diff_eq(v, 1e-12));
         }
     }
 }
