@@ -3,7 +3,7 @@
 use glam::DVec3;
 use toml::Value;
 
-use super::{Editor, Effect, Message, ViewState, camera, command::set_camera};
+use super::{Editor, Effect, Message, ViewState, actions::set_camera, camera};
 use crate::document::Change;
 
 /// The clip's axes that a camera's up goes round, each with its name.

@@ -4,6 +4,7 @@
 //! [`ViewState`]; front ends read both and the [`Scene`] built from them. What the editor cannot do itself (quit, open
 //! a window) it returns as an [`Effect`].
 
+mod actions;
 mod area;
 mod body;
 mod camera;
