@@ -18,6 +18,8 @@ use ratatui::{
 use super::{
     braille::{Canvas, Line},
     colour::Palette,
+    cover::Cover,
+    plan_map::{Direction, Extent, Map, grid_step, scale_bar},
     text,
 };
 use crate::{
@@ -26,81 +28,8 @@ use crate::{
     scene::{Body, Footprint, Label, Mark, Role, Scene, Stroke},
 };
 
-/// Room left around what [`Extent::of`] frames, as a share of its size.
-const MARGIN: f64 = 0.06;
-
-/// Grid points nearer than this many dots would only be noise.
-const MIN_GRID_DOTS: f64 = 8.0;
-
 /// The end of a limb is a foot when it is in this lowest share of the body's height.
 const FOOT_SHARE: f64 = 0.3;
-
-/// Where the scene is looked at from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// From above: world x to the right, world z down.
-    Top,
-    /// From +z: world x to the right, up is up.
-    Front,
-    /// From +x: world z to the left, up is up.
-    Side,
-}
-
-impl Direction {
-    /// Projects a world point to lengths towards the right and down.
-    pub fn project(self, p: DVec3) -> (f64, f64) {
-        match self {
-            Self::Top => (p.x, p.z),
-            Self::Front => (p.x, -p.y),
-            Self::Side => (-p.z, -p.y),
-        }
-    }
-
-    /// Names the axes of the clip's file in this view.
-    fn compass(self, up: UpAxis) -> &'static str {
-        match (self, up) {
-            (Self::Top, UpAxis::Y) => "→x ↓z",
-            (Self::Top, UpAxis::Z) => "→x ↑y",
-            (Self::Front, UpAxis::Y) => "→x ↑y",
-            (Self::Front, UpAxis::Z) => "→x ↑z",
-            (Self::Side, UpAxis::Y) => "←z ↑y",
-            (Self::Side, UpAxis::Z) => "→y ↑z",
-        }
-    }
-}
-
-/// The part of the world a view shows, at least: the longer side of the area shows more.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
-    /// Middle of the view, world.
-    pub centre: DVec3,
-    /// Half the width shown, in the clip's length unit; positive.
-    pub half_width: f64,
-    /// Half the height shown, in the clip's length unit; positive.
-    pub half_height: f64,
-}
-
-impl Extent {
-    /// Frames everything the scene's still part draws and its actors now, never less than one body height.
-    pub fn of(scene: &Scene, direction: Direction) -> Self {
-        let still = &scene.still;
-        let points = (still.curves.iter().flat_map(|c| &c.points))
-            .chain(still.marks.iter().map(|m| &m.at))
-            .chain(scene.now.actors.iter().flatten())
-            .filter(|p| p.is_finite());
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for &p in points {
-            (min, max) = (min.min(p), max.max(p));
-        }
-        if min.x > max.x {
-            (min, max) = (DVec3::ZERO, DVec3::ZERO);
-        }
-        let least = 0.5 * still.body_height;
-        let (a, b) = (direction.project(min), direction.project(max));
-        let half = |a: f64, b: f64| (0.5 * (b - a).abs() * (1.0 + 2.0 * MARGIN)).max(least);
-        Self { centre: 0.5 * (min + max), half_width: half(a.0, b.0), half_height: half(a.1, b.1) }
-    }
-}
 
 /// The scene seen along an axis.
 #[derive(Clone, Copy, Debug)]
@@ -289,57 +218,6 @@ impl PlanView<'_> {
     }
 }
 
-/// From the world to dots from the area's top left.
-struct Map {
-    direction: Direction,
-    area: Rect,
-    centre: (f64, f64),
-    dots_per_unit: f64,
-}
-
-impl Map {
-    fn new(direction: Direction, extent: Extent, area: Rect) -> Self {
-        let (half_width, half_height) = (f64::from(area.width), f64::from(area.height) * 2.0);
-        // A dot is about square, so one scale serves both directions.
-        let dots_per_unit = (half_width / extent.half_width).min(half_height / extent.half_height);
-        Self { direction, area, centre: direction.project(extent.centre), dots_per_unit }
-    }
-
-    fn dots(&self, p: DVec3) -> (f64, f64) {
-        let (right, down) = self.direction.project(p);
-        (
-            f64::from(self.area.width) + (right - self.centre.0) * self.dots_per_unit,
-            f64::from(self.area.height) * 2.0 + (down - self.centre.1) * self.dots_per_unit,
-        )
-    }
-
-    /// Returns the cell of a point, if it is in the area.
-    fn cell(&self, p: DVec3) -> Option<Position> {
-        let (x, y) = self.dots(p);
-        let (x, y) = ((x / 2.0).floor(), (y / 4.0).floor());
-        let inside = x >= 0.0 && y >= 0.0 && x < f64::from(self.area.width) && y < f64::from(self.area.height);
-        inside.then(|| Position::new(self.area.x + x as u16, self.area.y + y as u16))
-    }
-
-    /// Returns the cell next to one, the way a world direction points most; none outside the area.
-    fn cell_beside(&self, cell: Position, towards: DVec3) -> Option<Position> {
-        let (right, down) = self.direction.project(towards);
-        let (dx, dy) = if right.abs() >= down.abs() { (right.signum(), 0.0) } else { (0.0, down.signum()) };
-        let beside = Position::new(cell.x.checked_add_signed(dx as i16)?, cell.y.checked_add_signed(dy as i16)?);
-        self.area.contains(beside).then_some(beside)
-    }
-
-    /// Returns the smallest and the largest projected lengths the area shows.
-    fn visible(&self) -> ((f64, f64), (f64, f64)) {
-        let half_width = f64::from(self.area.width) / self.dots_per_unit;
-        let half_height = f64::from(self.area.height) * 2.0 / self.dots_per_unit;
-        (
-            (self.centre.0 - half_width, self.centre.1 - half_height),
-            (self.centre.0 + half_width, self.centre.1 + half_height),
-        )
-    }
-}
-
 /// What is drawn over what: the larger rank on top.
 fn rank(role: Role) -> u8 {
     match role {
@@ -407,65 +285,6 @@ fn landmarks(body: &Body, points: &[DVec3]) -> (Option<DVec3>, Vec<DVec3>) {
         .filter(|p| p.y <= low + FOOT_SHARE * (high - low))
         .collect();
     (root.and_then(|limb| point(limb.from)), feet)
-}
-
-/// Returns the grid's cell, or the multiple of it whose points are far enough apart to be seen as points.
-fn grid_step(cell: f64, dots_per_unit: f64) -> Option<f64> {
-    let wanted = MIN_GRID_DOTS / dots_per_unit;
-    if !(cell > 0.0 && cell.is_finite() && wanted.is_finite()) {
-        return None;
-    }
-    Some(if cell >= wanted { cell } else { text::round_up(wanted / cell) * cell })
-}
-
-/// Returns the scale bar with its length, a round number.
-fn scale_bar(map: &Map, unit: &str) -> Option<String> {
-    let units_per_cell = 2.0 / map.dots_per_unit;
-    if !(units_per_cell > 0.0 && units_per_cell.is_finite()) {
-        return None;
-    }
-    // A round length between 4 and 10 cells.
-    let length = text::round_up(4.0 * units_per_cell);
-    let bar = "─".repeat(((length / units_per_cell).round() as usize).saturating_sub(2));
-    let bar = format!("├{bar}┤ {} {unit}", text::number(length, length));
-    Some(bar.trim_end().to_owned())
-}
-
-/// What is drawn already.
-struct Cover {
-    area: Rect,
-    /// Lines.
-    ink: Canvas,
-    /// Symbols and texts.
-    taken: Vec<Rect>,
-}
-
-impl Cover {
-    /// Tells whether a place has no symbol and no text.
-    fn is_free(&self, place: Rect) -> bool {
-        !self.taken.iter().any(|taken| taken.intersects(place))
-    }
-
-    /// Tells whether a place, one cell high, has no line either.
-    fn is_blank(&self, place: Rect) -> bool {
-        let row = place.y - self.area.y;
-        let inked = (place.left()..place.right()).any(|x| self.ink.is_inked(x - self.area.x, row));
-        !inked && self.is_free(place)
-    }
-
-    /// Returns where a text beside a cell covers no text or symbol, and no line if that can be: right, left, above,
-    /// below. A text that must be put covers what it has to.
-    fn place_beside(&self, cell: Position, width: u16, must: bool) -> Option<Rect> {
-        let (x, y) = (i32::from(cell.x), i32::from(cell.y));
-        let places: Vec<Rect> = [(x + 1, y), (x - i32::from(width), y), (x, y - 1), (x, y + 1)]
-            .into_iter()
-            .filter_map(|(x, y)| Some(Rect::new(u16::try_from(x).ok()?, u16::try_from(y).ok()?, width, 1)))
-            .filter(|place| place.intersection(self.area) == *place)
-            .collect();
-        let blank = places.iter().find(|place| self.is_blank(**place));
-        let free = blank.or_else(|| places.iter().find(|place| self.is_free(**place)));
-        free.or(if must { places.first() } else { None }).copied()
-    }
 }
 
 #[cfg(test)]
