@@ -272,7 +272,9 @@ impl Show {
 
 impl Default for Show {
     fn default() -> Self {
-        Self { traces: false, wireframe: false, normal_skeleton: false, ..Self::ALL }
+        let mut show = Self::ALL;
+        (show.traces, show.wireframe, show.normal_skeleton) = (false, false, false);
+        show
     }
 }
 
