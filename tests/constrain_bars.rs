@@ -196,7 +196,7 @@ fn feet_climb_and_the_body_follows_smoothly() {
     subjects.extend(clips().iter().flat_map(|dir| ["walk01", "cmu_12_03_walk"].map(|name| Subject::read(dir, name))));
     for subject in &subjects {
         let height = subject.clip.facts.height.value;
-        let prepared = Prepared::new(&subject.posed(), &[], &subject.feet);
+        let prepared = Prepared::new(&subject.posed(), &[], &subject.feet, None);
         for slope_deg in [10.0, 20.0] {
             let (original, path) = climbing(subject, slope_deg);
             let plain = Plain::along(subject, &original, &path);
@@ -244,7 +244,7 @@ proptest! {
         static SUBJECT: OnceLock<(Subject, Prepared)> = OnceLock::new();
         let (subject, prepared) = SUBJECT.get_or_init(|| {
             let subject = Subject::built_in();
-            let prepared = Prepared::new(&subject.posed(), &[], &subject.feet);
+            let prepared = Prepared::new(&subject.posed(), &[], &subject.feet, None);
             (subject, prepared)
         });
         let height = subject.clip.facts.height.value;

@@ -4,12 +4,12 @@
 //! came nearer to its full length than the performer's does, the foot is drawn in, smoothly over time. Knees turn ever
 //! faster towards full extension, and a swing that leaves it out is not seen.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use wide::f64x4;
 
 use super::{
     feet::{Planned, smootherstep},
-    prepared::{LegFrame, LegPose, PreparedLeg},
+    prepared::{LegFrame, LegPoses, PreparedLeg},
 };
 use crate::{
     math::{
@@ -69,18 +69,13 @@ impl Bend<'_> {
         let mut missed = Vec::new();
         for at in (0..n).step_by(LANES) {
             let frame = |lane: usize| (at + lane).min(n - 1);
-            let pose = |lane: usize| &self.leg.poses[frame(lane)];
-            let turns = TwoBones {
-                thigh: VecLanes::gather(|lane| pose(lane).thigh),
-                shin: VecLanes::gather(|lane| pose(lane).shin),
-                hinge: VecLanes::gather(|lane| pose(lane).hinge),
-                target: VecLanes::gather(|lane| target(frame(lane))),
-            }
-            .solve();
-            let of = |rotation: fn(&LegPose) -> DQuat| QuatLanes::gather(|lane| rotation(pose(lane)));
-            let hip = of(|p| p.hip_parent).conjugate().times(turns.hip.times(of(|p| p.hip_rotation)));
-            let knee = of(|p| p.knee_parent).conjugate().times(turns.knee.times(of(|p| p.knee_rotation)));
-            let shin = turns.hip.times(turns.knee).times(of(|p| p.ankle_parent));
+            let pose = &self.leg.shape.poses[at / LANES];
+            let &LegPoses { thigh, shin, hinge, .. } = pose;
+            let target = VecLanes::gather(|lane| target(frame(lane)));
+            let turns = TwoBones { thigh, shin, hinge, target }.solve();
+            let hip = pose.hip_parent.conjugate().times(turns.hip.times(pose.hip_rotation));
+            let knee = pose.knee_parent.conjugate().times(turns.knee.times(pose.knee_rotation));
+            let shin = turns.hip.times(turns.knee).times(pose.ankle_parent);
             let above = QuatLanes::gather(|lane| self.carrier[frame(lane)].rotation).times(shin);
             let foot = QuatLanes::gather(|lane| self.feet[frame(lane)].ankle.rotation);
             hips.extend_from_slice(&hip.lanes());
@@ -115,7 +110,7 @@ impl Bend<'_> {
         let offset = VecLanes::gather(|lane| self.offsets[frame(lane)]);
         let ankle = VecLanes::gather(|lane| foot(lane).follows).times(offset).plus(ankle);
         let back = QuatLanes::gather(|lane| carrier(lane).rotation).conjugate();
-        back.rotate(ankle).minus(VecLanes::gather(|lane| self.leg.frames[frame(lane)].hip))
+        back.rotate(ankle).minus(VecLanes::gather(|lane| self.leg.shape.frames[frame(lane)].hip))
     }
 
     /// Returns by how much the foot is drawn in towards the hip at each frame; nothing where it never is.
@@ -126,7 +121,7 @@ impl Bend<'_> {
         let n = wanted.len();
         let half = (DRAW_SECS / self.frame_time_secs).round().max(1.0) as usize;
         let mut drawn_in = Vec::new();
-        for (frame, (wanted, source)) in wanted.iter().zip(&self.leg.frames).enumerate() {
+        for (frame, (wanted, source)) in wanted.iter().zip(&self.leg.shape.frames).enumerate() {
             let most = source.reach.max(SWING_LIMIT * source.length);
             if self.free[frame] == 0.0 || wanted.length_squared() <= most * most {
                 continue;

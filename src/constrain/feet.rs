@@ -8,7 +8,7 @@ use glam::{DMat3, DQuat, DVec3, DVec4};
 use super::{
     Ground, Job,
     ground::GroundSlope,
-    prepared::{LegFrame, PreparedLeg, PreparedPlant},
+    prepared::{FootAt, PreparedLeg, PreparedPlant},
 };
 use crate::{
     contact::PlantMode,
@@ -131,12 +131,12 @@ pub(super) fn plan(
         for (f, passage) in (begin..end).zip(&passage[begin..]) {
             let from = before.map(|b| (b, fade.shares(f - b.plant.plant.last)));
             let to = after.map(|a| (a, fade.shares(a.plant.plant.first - f)));
-            feet.push(between(from, to, &leg.frames[f].ankle_world, passage, f));
+            feet.push(between(from, to, &leg.feet[f].ankle, passage, f));
         }
         let Some(stand) = after else { break };
         let begin = feet.len();
         for (f, passage) in (begin..=stand.plant.plant.last).zip(&passage[begin..]) {
-            let ankle = &leg.frames[f].ankle_world;
+            let ankle = &leg.feet[f].ankle;
             feet.push(match stand.moved(ankle, f) {
                 Some(ankle) => Planned { ankle, follows: DVec3::ZERO, plant: Some(stand.idx) },
                 None => Planned { ankle: *passage * *ankle, follows: DVec3::ONE, plant: None },
@@ -201,7 +201,7 @@ fn stands<'a>(
             end += 1;
         }
         let group = &leg.plants[idx..end];
-        let motion = is_held(&group[0]).then(|| motion_of(group, &leg.frames, (job, source), passage));
+        let motion = is_held(&group[0]).then(|| motion_of(group, &leg.feet, (job, source), passage));
         let motion = motion.map(|rigid| Motion { rigid, turn: DMat3::from_quat(rigid.rotation) });
         stands.extend((idx as u32..).zip(group).map(|(idx, plant)| Stand { idx, plant, motion }));
     }
@@ -231,7 +231,7 @@ impl Motion {
 /// average; on a ramp also the slope's tilt.
 fn motion_of(
     plants: &[PreparedPlant],
-    frames: &[LegFrame],
+    feet: &[FootAt],
     (job, source): (&Job, GroundSlope),
     passage: &[Rigid],
 ) -> Rigid {
@@ -239,7 +239,7 @@ fn motion_of(
     let (mut over_path, mut over_ground) = (0.0, 0.0);
     let mut n = 0.0;
     for f in plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
-        let mid = frames[f].foot();
+        let mid = feet[f].middle();
         foot += mid;
         place += passage[f].point(mid);
         yaw += job.path[f].heading_rad - job.original[f].heading_rad;

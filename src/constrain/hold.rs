@@ -16,7 +16,7 @@ use crate::{
     math::{Rigid, twist_rad},
     motion::TurnedJoint,
     path::PathFrame,
-    sync::listed,
+    sync::{each, listed},
 };
 
 /// Weight of a leg in swing over one that stands.
@@ -25,9 +25,6 @@ const SWING_WEIGHT: f64 = 0.5;
 /// Motions that differ by less, as a share of the body height and in half radians, are one: paths are walked no more
 /// exactly.
 const SAME: f64 = 1e-6;
-
-/// Shorter clips are not worth another thread.
-const FEWEST_FRAMES: usize = 2000;
 
 /// A plant is missed when its foot is off by more than this share of the body height.
 const MISSED: f64 = 1e-4;
@@ -116,9 +113,9 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let dt = prepared.frame_time_secs;
     let passage = listed(n, |frames| {
         let pairs = job.carrier[frames.clone()].iter().zip(&prepared.to_origin[frames]);
-        pairs.map(|(plain, to_origin)| *plain * *to_origin).collect()
+        pairs.map(|(plain, to_origin)| *plain * *to_origin)
     });
-    let asks = each(&prepared.legs, |_, leg| Ask::new(leg, job, prepared.slope, &passage, dt));
+    let asks = each(&prepared.legs, n, |_, leg| Ask::new(leg, job, prepared.slope, &passage, dt));
     if moves_as_one(&passage, prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
         let footprints = footprints(prepared, &asks);
         return Held { carrier: job.carrier.to_vec(), footprints, ..Held::default() };
@@ -130,7 +127,7 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
         carrier.translation += offset;
     }
     held.largest_offset = offsets.iter().map(|o| o.length_squared()).fold(0.0, f64::max).sqrt();
-    let bent = each(&prepared.legs, |idx, leg| {
+    let bent = each(&prepared.legs, n, |idx, leg| {
         let Ask { plan, free, .. } = &asks[idx];
         let (carrier, offsets) = (&held.carrier, &offsets);
         Bend { leg, feet: &plan.feet, free, carrier, offsets, frame_time_secs: dt }.solve(MISSED * prepared.height)
@@ -162,21 +159,6 @@ fn footprints(prepared: &Prepared, asks: &[Ask]) -> Vec<Footprint> {
     .collect()
 }
 
-/// Makes something of each leg: of long clips the first one's on this thread, the others' on their own.
-fn each<T: Send>(legs: &[PreparedLeg], make: impl Fn(usize, &PreparedLeg) -> T + Sync) -> Vec<T> {
-    let Some((first, others)) = legs.split_first() else { return Vec::new() };
-    if first.frames.len() < FEWEST_FRAMES {
-        return legs.iter().enumerate().map(|(idx, leg)| make(idx, leg)).collect();
-    }
-    let make = &make;
-    std::thread::scope(|scope| {
-        let others: Vec<_> = (1..).zip(others).map(|(idx, leg)| scope.spawn(move || make(idx, leg))).collect();
-        let mut made = vec![make(0, first)];
-        made.extend(others.into_iter().map(|other| other.join().expect("a leg's thread does not panic")));
-        made
-    })
-}
-
 /// What a leg asks for: where its foot should be, and that of the carrier.
 struct Ask {
     plan: FootPlan,
@@ -189,7 +171,7 @@ impl Ask {
     fn new(leg: &PreparedLeg, job: &Job, source: GroundSlope, passage: &[Rigid], frame_time_secs: f64) -> Self {
         let plan = feet::plan(leg, job, source, passage, frame_time_secs);
         let free = freedom(&plan.feet, frame_time_secs);
-        let wishes = (job.carrier.iter().zip(&leg.frames).zip(&plan.feet).zip(&free))
+        let wishes = (job.carrier.iter().zip(&leg.shape.frames).zip(&plan.feet).zip(&free))
             .map(|(((carrier, frame), foot), &free)| Wish {
                 leg: carrier.point(frame.hip) - foot.ankle.translation,
                 moves: DVec3::ONE - foot.follows,

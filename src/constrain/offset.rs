@@ -5,6 +5,9 @@
 //! within reach, at any price, stay near plain path editing, and be smooth. The search is Newton's: in each step the
 //! costs are replaced by springs ([`Cost`]), and the springs' equations form a band matrix. A step that would raise the
 //! cost is taken again, damped. Stretches of the clip that are as they should be are left out of the next steps.
+//!
+//! The halves of a long clip are searched side by side, each on into the other; what they have in common is far enough
+//! from either's end for both to agree, and is blended. Where both offsets keep a leg within reach, so does a blend.
 
 use std::ops::Range;
 
@@ -13,7 +16,9 @@ use glam::DVec3;
 use super::{
     banded::Banded,
     cost::{Cost, Wish},
+    feet::smootherstep,
 };
+use crate::sync::halves;
 
 /// Time between the frames that the problem is set up with, seconds; what is smooth needs no more.
 const SAMPLE_SECS: f64 = 0.034;
@@ -41,6 +46,9 @@ const COST_ACCURACY: f64 = 1e-9;
 
 /// Damping after a step that raised the cost, price of moving; it grows and falls by a factor of 4.
 const FIRST_DAMPING: f64 = 1.0;
+
+/// Time that both halves of a long clip have in common, seconds. They are blended over its middle third.
+const COMMON_SECS: f64 = 3.0;
 
 /// Scalars before an element in the band: four control points of three axes.
 const WIDTH: usize = 12;
@@ -78,6 +86,17 @@ impl Problem<'_> {
         if n == 0 {
             return Vec::new();
         }
+        let common = (COMMON_SECS / self.frame_time_secs).ceil() as usize;
+        let parts = halves(n, common.min(n / 4), |frames| {
+            let wishes: Vec<&[Wish]> = self.wishes.iter().map(|leg| &leg[frames.clone()]).collect();
+            Problem { wishes: &wishes, ..*self }.searched()
+        });
+        parts.into_iter().reduce(|first, second| joined(first, &second, n)).expect("at least one part")
+    }
+
+    /// Returns the offset at each frame, all found at once.
+    fn searched(&self) -> Vec<DVec3> {
+        let n = self.wishes[0].len();
         let mut search = Search::new(self, Spline::new(n, self.frame_time_secs));
         for (share, most_steps) in STAGES {
             search.set_limit_price(LIMIT_PRICE * share);
@@ -100,6 +119,19 @@ impl Problem<'_> {
         }
         slacks
     }
+}
+
+/// Joins the offsets of two halves to those of `n_frames`, blended in the middle of what both have.
+fn joined(mut first: Vec<DVec3>, second: &[DVec3], n_frames: usize) -> Vec<DVec3> {
+    let n_common = first.len() + second.len() - n_frames;
+    let (common, more) = second.split_at(n_common);
+    let begin = first.len() - n_common;
+    for (f, (is, other)) in first[begin..].iter_mut().zip(common).enumerate() {
+        let share = smootherstep(3.0 * (f as f64 + 0.5) / n_common as f64 - 1.0);
+        *is += share * (*other - *is);
+    }
+    first.extend_from_slice(more);
+    first
 }
 
 impl<'a> Search<'a> {
@@ -441,6 +473,21 @@ mod tests {
         assert!(found.windows(4).map(jerk).fold(0.0, f64::max) < 0.005);
         let ends = found[0].length().max(found[99].length());
         assert!(ends < 0.25 * found[50].length(), "it ends with its cause: {ends} {}", found[50].length());
+    }
+
+    #[test]
+    fn halves_of_a_long_clip_agree_with_the_whole() {
+        let stretch = |f: usize| 0.86 + 0.03 * (f as f64 * 0.11).sin() + 0.02 * (f as f64 * 0.013).cos();
+        let leg: Vec<Wish> = (0..5000).map(|f| wish(DVec3::new(0.05, stretch(f), 0.1), 0.86, 0.88)).collect();
+        let problem = Problem { wishes: &[&leg], frame_time_secs: DT, height: 1.7 };
+        let (found, whole) = (problem.offsets(), problem.searched());
+        assert_eq!(found.len(), leg.len());
+        for (wish, offset) in leg.iter().zip(&found) {
+            assert!((wish.leg + offset).length() <= wish.limit);
+        }
+        let apart: Vec<f64> = found.iter().zip(&whole).map(|(a, b)| a.distance(*b)).collect();
+        assert!(apart.iter().copied().fold(0.0, f64::max) < 1e-4, "{apart:?}");
+        assert!(whole.iter().any(|offset| offset.length() > 0.01));
     }
 
     #[test]

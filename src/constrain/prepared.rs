@@ -1,17 +1,21 @@
 //! `Prepared`: what holding needs of the source, once per clip and plants.
 
-use std::ops::Range;
+use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
+use wide::f64x4;
 
 use super::feet::smootherstep;
 use super::ground::GroundSlope;
 use crate::{
     contact::{FootPlants, Plant, PlantMode},
-    math::Rigid,
+    math::{
+        Rigid,
+        lanes::{LANES, QuatLanes, RigidLanes, VecLanes},
+    },
     motion::{Clip, EditedClip, Leg},
     skeleton::{JointId, Skeleton},
-    sync::halves,
+    sync::{each, halves, listed},
 };
 
 /// Weight of a leg's usual hinge against the one its bend shows, as the sine of a bend: a knee bent less than this
@@ -27,6 +31,7 @@ const SHORTEST_LEG: f64 = 1e-3;
 /// A source clip with its legs and plants, ready to be held on any path.
 #[derive(Clone, Debug)]
 pub struct Prepared {
+    posed: Arc<EditedClip>,
     pub(super) n_frames: usize,
     pub(super) frame_time_secs: f64,
     /// Body height `H`, clip's unit.
@@ -42,10 +47,25 @@ pub struct Prepared {
 #[derive(Clone, Debug)]
 pub(super) struct PreparedLeg {
     pub(super) leg: Leg,
+    pub(super) shape: Arc<LegShape>,
+    /// Where its foot is, as many frames as the shape has.
+    pub(super) feet: Vec<FootAt>,
     pub(super) plants: Vec<PreparedPlant>,
+}
+
+/// A leg as the clip bends it, wherever the carrier is: in the carrier's space throughout.
+#[derive(Debug)]
+pub(super) struct LegShape {
     pub(super) frames: Vec<LegFrame>,
-    /// As many.
-    pub(super) poses: Vec<LegPose>,
+    /// The same, four by four.
+    pub(super) poses: Vec<LegPoses>,
+}
+
+/// Where a foot of the source is at one frame, world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FootAt {
+    pub(super) ankle: Rigid,
+    pub(super) toe: DVec3,
 }
 
 /// A plant of the source.
@@ -60,7 +80,7 @@ pub(super) struct PreparedPlant {
     pub(super) along: DVec3,
 }
 
-/// Where one leg is at one frame. Positions in the carrier's space unless they say world.
+/// Where one leg is at one frame, in the carrier's space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegFrame {
     pub(super) hip: DVec3,
@@ -68,28 +88,26 @@ pub(super) struct LegFrame {
     pub(super) reach: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
-    /// World, source.
-    pub(super) ankle_world: Rigid,
-    /// World, source.
-    pub(super) toe_world: DVec3,
+    ankle: Rigid,
+    toe: DVec3,
 }
 
-/// How one leg is bent at one frame; in the carrier's space.
+/// How one leg is bent at four frames, the last ones of a clip repeated; in the carrier's space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LegPose {
+pub(super) struct LegPoses {
     /// From hip to knee.
-    pub(super) thigh: DVec3,
+    pub(super) thigh: VecLanes,
     /// From knee to ankle.
-    pub(super) shin: DVec3,
+    pub(super) shin: VecLanes,
     /// Unit axis of the knee.
-    pub(super) hinge: DVec3,
+    pub(super) hinge: VecLanes,
     /// Of the joint above the hip.
-    pub(super) hip_parent: DQuat,
+    pub(super) hip_parent: QuatLanes,
     /// Of the hip itself.
-    pub(super) hip_rotation: DQuat,
-    pub(super) knee_parent: DQuat,
-    pub(super) knee_rotation: DQuat,
-    pub(super) ankle_parent: DQuat,
+    pub(super) hip_rotation: QuatLanes,
+    pub(super) knee_parent: QuatLanes,
+    pub(super) knee_rotation: QuatLanes,
+    pub(super) ankle_parent: QuatLanes,
 }
 
 impl Prepared {
@@ -100,36 +118,34 @@ impl Prepared {
     ///
     /// `own_carrier` is where the carrier would be if layers did not move it, at every frame; empty if they do not. A
     /// carrier that layers move takes its feet along to where they stand, but does not let them slide.
-    pub fn new(posed: &EditedClip, own_carrier: &[Rigid], feet: &[FootPlants]) -> Self {
+    ///
+    /// `earlier` lends the legs that are bent as they were; the result is the same without it.
+    pub fn new(posed: &Arc<EditedClip>, own_carrier: &[Rigid], feet: &[FootPlants], earlier: Option<&Self>) -> Self {
         let clip = &*posed.clip;
         let n_frames = clip.n_frames();
         let height = clip.facts.height.value;
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
-        let mut parts = halves(n_frames, 0, |range| legs_of(posed, &held, range)).into_iter();
-        let (mut to_origin, first) = parts.next().expect("at least one part");
-        let mut legs: Vec<PreparedLeg> = (held.iter().zip(first))
-            .map(|(foot, (frames, poses))| PreparedLeg { leg: foot.leg, plants: Vec::new(), frames, poses })
-            .collect();
-        for (more, part) in parts {
-            to_origin.extend(more);
-            for (leg, (frames, poses)) in legs.iter_mut().zip(part) {
-                leg.frames.extend(frames);
-                leg.poses.extend(poses);
-            }
-        }
-        let moved_back: Vec<Rigid> = own_carrier.iter().zip(&to_origin).map(|(&own, &back)| own * back).collect();
-        for (leg, foot) in legs.iter_mut().zip(held) {
-            set_hinges(&mut leg.poses);
-            leg.plants = (foot.plants.iter())
-                .filter(|plant| plant.first < n_frames)
-                .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
-                .map(|plant| PreparedPlant::new(plant, &leg.frames, clip.frame_time_secs, &moved_back))
-                .collect();
-        }
-        legs.retain(|leg| !leg.plants.is_empty() && leg.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
+        let to_origin = listed(n_frames, |frames| frames.map(|frame| posed.carrier(frame).inverse()));
+        let mut legs = each(&held, n_frames, |_, foot| {
+            let lent = earlier.and_then(|earlier| earlier.shape_of(&foot.leg, posed));
+            PreparedLeg::new(foot, lent.unwrap_or_else(|| Arc::new(LegShape::of(posed, &foot.leg))), posed, own_carrier)
+        });
+        legs.retain(|leg| !leg.plants.is_empty() && leg.shape.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
         let feet: Vec<DVec3> = legs.iter().flat_map(|leg| &leg.plants).map(|plant| plant.foot).collect();
         let slope = GroundSlope::under(&feet, height);
-        Self { n_frames, frame_time_secs: clip.frame_time_secs, height, to_origin, legs, slope }
+        let frame_time_secs = clip.frame_time_secs;
+        Self { posed: Arc::clone(posed), n_frames, frame_time_secs, height, to_origin, legs, slope }
+    }
+
+    /// Returns a leg's shape if another edit of the clip bends the leg as this one does.
+    fn shape_of(&self, leg: &Leg, posed: &EditedClip) -> Option<Arc<LegShape>> {
+        if !Arc::ptr_eq(&self.posed.clip, &posed.clip) {
+            return None;
+        }
+        let known = self.legs.iter().find(|known| known.leg == *leg)?;
+        let joints = joints_of(&posed.clip.skeleton, leg, posed.clip.facts.carrier.value);
+        let is_same = |&joint: &JointId| self.posed.turned(joint) == posed.turned(joint);
+        joints.iter().all(is_same).then(|| Arc::clone(&known.shape))
     }
 
     /// Returns the number of frames of the clip.
@@ -139,7 +155,7 @@ impl Prepared {
 
     /// Returns the length of thigh and shin together, the clip's unit; of the first leg at the first frame.
     pub fn leg_length(&self) -> Option<f64> {
-        self.legs.first().and_then(|leg| leg.frames.first()).map(|frame| frame.length)
+        self.legs.first().and_then(|leg| leg.shape.frames.first()).map(|frame| frame.length)
     }
 
     /// Returns where a leg's foot stands in the source, plant by plant, intended slides left out; world.
@@ -154,17 +170,64 @@ impl Prepared {
     }
 }
 
-impl LegFrame {
-    /// Returns the same elsewhere in the world.
-    fn moved(&self, by: &Rigid) -> Self {
-        Self { ankle_world: *by * self.ankle_world, toe_world: by.point(self.toe_world), ..*self }
-    }
-}
-
 impl PreparedLeg {
+    fn new(foot: &FootPlants, shape: Arc<LegShape>, posed: &EditedClip, own_carrier: &[Rigid]) -> Self {
+        let clip = &*posed.clip;
+        let n_frames = shape.frames.len();
+        let feet: Vec<FootAt> = (0..).zip(&shape.frames).map(|(f, leg)| leg.foot_at(&posed.carrier(f))).collect();
+        let own_feet: Vec<FootAt> = shape.frames.iter().zip(own_carrier).map(|(leg, own)| leg.foot_at(own)).collect();
+        let plants = (foot.plants.iter())
+            .filter(|plant| plant.first < n_frames)
+            .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
+            .map(|plant| PreparedPlant::new(plant, &feet, clip.frame_time_secs, &own_feet))
+            .collect();
+        Self { leg: foot.leg, shape, feet, plants }
+    }
+
     /// Tells whether the foot slides in its plants as it did.
     pub(super) fn keeps_its_slides(&self) -> bool {
         self.plants.iter().all(|plant| plant.slide.slid.is_empty())
+    }
+}
+
+impl LegShape {
+    /// Takes a leg out of an edit of its clip.
+    fn of(posed: &EditedClip, leg: &Leg) -> Self {
+        let skeleton = &posed.clip.skeleton;
+        let joints = joints_of(skeleton, leg, posed.clip.facts.carrier.value);
+        let n_frames = posed.n_frames();
+        let parts = halves(n_frames, 0, |range| {
+            // The first part takes the other up.
+            let room = if range.start == 0 { n_frames } else { range.len() };
+            let mut part = Self { frames: Vec::with_capacity(room), poses: Vec::with_capacity(room.div_ceil(LANES)) };
+            let mut rigids = vec![RigidLanes::identity(); skeleton.n_joints()];
+            for at in range.clone().step_by(LANES) {
+                posed.rigids_in_carrier(
+                    std::array::from_fn(|lane| (at + lane).min(n_frames - 1)),
+                    &joints,
+                    &mut rigids,
+                );
+                let (frames, poses) = taken(skeleton, leg, &rigids);
+                part.frames.extend(&frames[..LANES.min(range.end - at)]);
+                part.poses.push(poses);
+            }
+            part
+        });
+        let mut parts = parts.into_iter();
+        let mut shape = parts.next().expect("at least one part");
+        for more in parts {
+            shape.frames.extend(more.frames);
+            shape.poses.extend(more.poses);
+        }
+        set_hinges(&mut shape.poses, n_frames);
+        shape
+    }
+}
+
+impl LegFrame {
+    /// Returns where the foot is when the carrier is there.
+    fn foot_at(&self, carrier: &Rigid) -> FootAt {
+        FootAt { ankle: *carrier * self.ankle, toe: carrier.point(self.toe) }
     }
 }
 
@@ -176,35 +239,13 @@ fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
     !foot.plants.is_empty() && [hip, knee, ankle].into_iter().all(free)
 }
 
-/// Returns what takes the carrier to the origin, and the legs, at some frames.
-#[expect(clippy::type_complexity, reason = "two lists for each leg, taken apart at once")]
-fn legs_of(
-    posed: &EditedClip,
-    feet: &[&FootPlants],
-    range: Range<usize>,
-) -> (Vec<Rigid>, Vec<(Vec<LegFrame>, Vec<LegPose>)>) {
-    let skeleton = &posed.clip.skeleton;
-    let carrier = posed.clip.facts.carrier.value;
-    let ends = feet.iter().flat_map(|foot| [foot.leg.ankle, toe_joint(skeleton, &foot.leg)]).chain([carrier]);
-    let ends: Vec<JointId> = ends.collect();
-    let needed: Vec<JointId> =
-        skeleton.ids().filter(|&id| ends.iter().any(|&end| skeleton.is_within(end, id))).collect();
-    // The first part takes the others up.
-    let room = if range.start == 0 { posed.n_frames() } else { range.len() };
-    let mut to_origin = Vec::with_capacity(room);
-    let mut legs: Vec<_> = feet.iter().map(|_| (Vec::with_capacity(room), Vec::with_capacity(room))).collect();
-    let mut rigids = vec![Rigid::IDENTITY; skeleton.n_joints()];
-    for frame in range {
-        posed.some_world_rigids(frame, &needed, &mut rigids);
-        let back = rigids[carrier.idx()].inverse();
-        to_origin.push(back);
-        for ((frames, poses), foot) in legs.iter_mut().zip(feet) {
-            let (frame, pose) = taken(skeleton, &foot.leg, &rigids, &back);
-            frames.push(frame);
-            poses.push(pose);
-        }
-    }
-    (to_origin, legs)
+/// Returns the joints below the carrier that a leg's foot hangs on or is, parents first.
+fn joints_of(skeleton: &Skeleton, leg: &Leg, carrier: JointId) -> Vec<JointId> {
+    let ends = [leg.ankle, toe_joint(skeleton, leg)];
+    let is_needed = |&id: &JointId| {
+        id != carrier && skeleton.is_within(id, carrier) && ends.iter().any(|&end| skeleton.is_within(end, id))
+    };
+    skeleton.ids().filter(is_needed).collect()
 }
 
 /// Returns the joint that a leg's toe is, or whose end site it is.
@@ -215,81 +256,89 @@ fn toe_joint(skeleton: &Skeleton, leg: &Leg) -> JointId {
     }
 }
 
-/// Takes a leg out of a pose; the hinge is what the bend shows, of the length of its sine.
-fn taken(skeleton: &Skeleton, leg: &Leg, world: &[Rigid], back: &Rigid) -> (LegFrame, LegPose) {
-    let rotation = |joint: usize| back.rotation * world[joint].rotation;
+/// Takes a leg out of four poses in the carrier's space; the hinge is what the bend shows, of the length of its sine.
+fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; LANES], LegPoses) {
+    let rotation = |joint: usize| rigids[joint].rotation;
     let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
-    let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| back.point(world[joint.idx()].translation));
-    let (thigh, shin) = (knee - hip, ankle - knee);
-    let toe_world = match leg.toe.checked_sub(skeleton.n_joints()) {
-        None => world[leg.toe].translation,
+    let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| rigids[joint.idx()].translation);
+    let (thigh, shin) = (knee.minus(hip), ankle.minus(knee));
+    let toe = match leg.toe.checked_sub(skeleton.n_joints()) {
+        None => rigids[leg.toe].translation,
         Some(site) => {
             let joint = skeleton.end_sites()[site];
-            world[joint.idx()].point(skeleton.joint(joint).end_site.expect("listed as one that has it"))
+            let offset = skeleton.joint(joint).end_site.expect("listed as one that has it");
+            rigids[joint.idx()].point(VecLanes::splat(offset))
         }
     };
-    let frame = LegFrame {
-        hip,
-        reach: hip.distance(ankle),
-        length: thigh.length() + shin.length(),
-        ankle_world: world[leg.ankle.idx()],
-        toe_world,
-    };
-    let pose = LegPose {
+    let reach = hip.minus(ankle).length().to_array();
+    let length = (thigh.length() + shin.length()).to_array();
+    let ankle_rotation = rotation(leg.ankle.idx()).lanes();
+    let (hips, ankles, toes) = (hip.lanes(), ankle.lanes(), toe.lanes());
+    let frames = std::array::from_fn(|lane| LegFrame {
+        hip: hips[lane],
+        reach: reach[lane],
+        length: length[lane],
+        ankle: Rigid::new(ankle_rotation[lane], ankles[lane]),
+        toe: toes[lane],
+    });
+    let poses = LegPoses {
         thigh,
         shin,
-        hinge: thigh.normalize_or_zero().cross(shin.normalize_or_zero()),
+        hinge: thigh.normalized().cross(shin.normalized()),
         hip_parent: parent(leg.hip.idx()),
         hip_rotation: rotation(leg.hip.idx()),
         knee_parent: parent(leg.knee.idx()),
         knee_rotation: rotation(leg.knee.idx()),
         ankle_parent: parent(leg.ankle.idx()),
     };
-    (frame, pose)
+    (frames, poses)
 }
 
-/// Makes the hinges unit axes: what the bend shows where there is one, what is usual for the thigh where there is none.
-fn set_hinges(poses: &mut [LegPose]) {
-    let sum: DVec3 = poses.iter().map(|p| p.hip_rotation.conjugate() * p.hinge).sum();
+/// Makes the hinges of a clip's frames unit axes: what the bend shows where there is one, what is usual for the thigh
+/// where there is none.
+fn set_hinges(poses: &mut [LegPoses], n_frames: usize) {
+    let shown = poses.iter().flat_map(|p| p.hip_rotation.conjugate().rotate(p.hinge).lanes());
+    let sum: DVec3 = shown.take(n_frames).sum();
     // A leg that never bends may bend about anything that is across it.
-    let across = |p: &LegPose| p.hip_rotation.conjugate() * p.thigh.any_orthonormal_vector();
-    let usual = sum.try_normalize().unwrap_or_else(|| across(&poses[0]));
+    let across = |p: &LegPoses| p.hip_rotation.conjugate().rotate(p.thigh).lanes()[0].any_orthonormal_vector();
+    let usual = VecLanes::splat(sum.try_normalize().unwrap_or_else(|| across(&poses[0])));
     for pose in poses {
-        let usual = pose.hip_rotation * usual;
-        let shown = if pose.hinge.dot(usual) > 0.0 { pose.hinge } else { DVec3::ZERO };
-        pose.hinge = (shown + USUAL_HINGE * usual).normalize();
+        let usual = pose.hip_rotation.rotate(usual);
+        let is_shown = pose.hinge.dot(usual).simd_gt(f64x4::ZERO);
+        let shown = pose.hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
+        pose.hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
     }
 }
 
-impl LegFrame {
-    /// Returns the middle between ankle and toe, world.
-    pub(super) fn foot(&self) -> DVec3 {
-        0.5 * (self.ankle_world.translation + self.toe_world)
+impl FootAt {
+    /// Returns the middle between ankle and toe.
+    pub(super) fn middle(&self) -> DVec3 {
+        0.5 * (self.ankle.translation + self.toe)
     }
 }
 
 impl PreparedPlant {
-    /// `moved_back` takes each frame to where the carrier's own motion has it; empty when it is there.
-    fn new(plant: Plant, frames: &[LegFrame], frame_time_secs: f64, moved_back: &[Rigid]) -> Self {
-        let stands = &frames[plant.first..=plant.last];
-        let sum: DVec3 = stands.iter().map(LegFrame::foot).sum();
-        let along: DVec3 = stands.iter().map(|f| f.toe_world - f.ankle_world.translation).sum();
+    /// `own_feet` is where the carrier's own motion has the foot; empty when layers do not move the carrier.
+    fn new(plant: Plant, feet: &[FootAt], frame_time_secs: f64, own_feet: &[FootAt]) -> Self {
+        let stands = &feet[plant.first..=plant.last];
+        let sum: DVec3 = stands.iter().map(FootAt::middle).sum();
+        let along: DVec3 = stands.iter().map(|at| at.toe - at.ankle.translation).sum();
         let slide = match plant.mode {
             PlantMode::Clean => {
                 let own = |from: usize, to: usize| {
-                    let by_toe = is_by_toe(&frames[from], &frames[to]);
-                    point_step(&frames[from], &frames[to], by_toe)
+                    let by_toe = is_by_toe(&feet[from], &feet[to]);
+                    point_step(&feet[from], &feet[to], by_toe)
                 };
-                Slide::new(&plant, frames.len(), frame_time_secs, own)
+                Slide::new(&plant, feet.len(), frame_time_secs, own)
             }
-            PlantMode::Hold if !moved_back.is_empty() => {
+            PlantMode::Hold if !own_feet.is_empty() => {
                 // What the carrier's own motion made of the same step is the foot's own slide.
                 let added = |from: usize, to: usize| {
-                    let own = [from, to].map(|frame| frames[frame].moved(&moved_back[frame]));
-                    let by_toe = is_by_toe(&own[0], &own[1]);
-                    point_step(&frames[from], &frames[to], by_toe) - point_step(&own[0], &own[1], by_toe)
+                    let (was, is) = (&own_feet[from], &own_feet[to]);
+                    let by_toe = is_by_toe(was, is);
+                    point_step(&feet[from], &feet[to], by_toe) - point_step(was, is, by_toe)
                 };
-                Slide::new(&plant, frames.len(), frame_time_secs, added)
+                Slide::new(&plant, feet.len(), frame_time_secs, added)
             }
             PlantMode::Hold | PlantMode::Slide => Slide::default(),
         };
@@ -337,15 +386,15 @@ impl Slide {
 }
 
 /// Tells whether the foot stands on its toe from one frame to another: that moves less than the ankle.
-fn is_by_toe(from: &LegFrame, to: &LegFrame) -> bool {
+fn is_by_toe(from: &FootAt, to: &FootAt) -> bool {
     point_step(from, to, true).length_squared() < point_step(from, to, false).length_squared()
 }
 
 /// Returns the horizontal step of the toe or of the ankle.
-fn point_step(from: &LegFrame, to: &LegFrame, of_toe: bool) -> DVec3 {
+fn point_step(from: &FootAt, to: &FootAt, of_toe: bool) -> DVec3 {
     let step = match of_toe {
-        true => to.toe_world - from.toe_world,
-        false => to.ankle_world.translation - from.ankle_world.translation,
+        true => to.toe - from.toe,
+        false => to.ankle.translation - from.ankle.translation,
     };
     step.with_y(0.0)
 }

@@ -94,14 +94,20 @@ impl Feet {
 }
 
 /// Prepares the legs of a clip to be held; `clean` removes the feet's own slide from plants that are only to be held.
-pub(super) fn prepared(posed: &EditedClip, own_carrier: &[Rigid], plants: &[FootPlants], clean: bool) -> Prepared {
+pub(super) fn prepared(
+    posed: &Arc<EditedClip>,
+    own_carrier: &[Rigid],
+    plants: &[FootPlants],
+    clean: bool,
+    earlier: Option<&Prepared>,
+) -> Prepared {
     let mut feet = plants.to_vec();
     for plant in feet.iter_mut().flat_map(|foot| &mut foot.plants) {
         if clean && plant.mode == PlantMode::Hold {
             plant.mode = PlantMode::Clean;
         }
     }
-    Prepared::new(posed, own_carrier, &feet)
+    Prepared::new(posed, own_carrier, &feet, earlier)
 }
 
 /// Returns the points that are measured: ankle and toe of each leg.

@@ -50,9 +50,7 @@ impl Carriage<'_> {
         EditedClip {
             clip: Arc::clone(self.clip),
             source_frames: self.timing.source_frames.clone(),
-            carrier_world: listed(path.len(), |frames| {
-                frames.map(|f| self.posed.carrier(shown[f] as usize, &path[f])).collect()
-            }),
+            carrier_world: listed(path.len(), |frames| frames.map(|f| self.posed.carrier(shown[f] as usize, &path[f]))),
             turned: Vec::new(),
         }
     }
@@ -71,8 +69,7 @@ impl Carriage<'_> {
         let ends = self.restarts.iter().copied().chain([n]);
         for (first, end) in starts.zip(ends) {
             let path = self.whole_cycle(first, end);
-            let carrier: Vec<Rigid> =
-                listed(path.len(), |frames| frames.map(|f| self.posed.carrier(f, &path[f])).collect());
+            let carrier: Vec<Rigid> = listed(path.len(), |frames| frames.map(|f| self.posed.carrier(f, &path[f])));
             let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
             append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.legs);
         }

@@ -145,9 +145,10 @@ impl Posed {
             |p| &p.posed.prepared,
             || {
                 let path = walked.path(loaded.original);
-                let own = |range: Range<usize>| range.map(|frame| residuals.apply(frame, &path[frame])).collect();
+                let own = |range: Range<usize>| range.map(|frame| residuals.apply(frame, &path[frame]));
                 let own_carrier = if displaced.moves_carrier() { listed(path.len(), own) } else { Vec::new() };
-                feet::prepared(&legs, &own_carrier, &walked.plants, edits.plants.clean)
+                let earlier = previous.map(|p| &*p.posed.prepared);
+                feet::prepared(&legs, &own_carrier, &walked.plants, edits.plants.clean, earlier)
             },
         );
         let joints = turning_joints(&walked.clip, &prepared, &displaced);
@@ -289,7 +290,7 @@ fn legs_posed(
     };
     let is_placed = walked.clip.facts.path_editable && (displaced.moves_carrier() || moves_otherwise);
     EditedClip {
-        carrier_world: if is_placed { listed(path.len(), |range| range.map(place).collect()) } else { Vec::new() },
+        carrier_world: if is_placed { listed(path.len(), |range| range.map(place)) } else { Vec::new() },
         turned: displaced.turned.iter().filter(|turned| is_leg(turned.joint)).cloned().collect(),
         ..EditedClip::unedited(Arc::clone(&walked.clip))
     }

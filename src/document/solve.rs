@@ -13,7 +13,7 @@
 //! A stage whose input equals its previous input hands its previous output on, so equality of inputs is all there is
 //! to it: upstream stages are compared by pointer, settings by value.
 
-use std::{panic::resume_unwind, sync::Arc, thread};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -29,6 +29,7 @@ use crate::{
     measure::{Body, Measured},
     motion::Clip,
     path::{Cycling, Integrator, MAX_POINTS, NewPath, OriginalPath, Residuals, Timing, TimingOptions, straight_line},
+    sync::{both, pooled},
 };
 
 /// Degrees a new path may have.
@@ -41,6 +42,10 @@ const STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.1;
 /// Pure: equal inputs give equal results, whatever `previous` is; it only lends the stages that did not change.
 /// Cannot fail: what cannot be done as wished is done as well as possible and said in `warnings`.
 pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>) -> Solved {
+    pooled(source.bvh.n_frames(), || solve_stages(source, edits, previous))
+}
+
+fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>) -> Solved {
     let before = previous.filter(|p| Arc::ptr_eq(&p.source, source) && p.edits.clip == edits.clip);
     let (clip, carrier_track, body) = match before {
         Some(p) => (Arc::clone(&p.clip), Arc::clone(&p.carrier_track), Arc::clone(&p.body)),
@@ -188,13 +193,12 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
                 timing: &timing,
             };
             // A second core hides the feet's numbers.
-            thread::scope(|scope| {
-                let numbers = || walked.foot_numbers(&loaded, &moved, &walk, &edited);
-                let numbers = scope.spawn(move || reuse(same_steps, |p| &p.foot_numbers, numbers));
-                let measures = reuse(same_edit, |p| &p.measures, || measured.measures());
-                let strains = strains();
-                (measures, numbers.join().unwrap_or_else(|panic| resume_unwind(panic)), strains)
-            })
+            let ((measures, strains), numbers) = both(
+                walk.n_frames(),
+                || (reuse(same_edit, |p| &p.measures, || measured.measures()), strains()),
+                || reuse(same_steps, |p| &p.foot_numbers, || walked.foot_numbers(&loaded, &moved, &walk, &edited)),
+            );
+            (measures, numbers, strains)
         }
     };
 

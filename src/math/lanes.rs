@@ -9,7 +9,7 @@ use wide::f64x4;
 pub(crate) const LANES: usize = 4;
 
 /// Four vectors.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct VecLanes {
     pub(crate) x: f64x4,
     pub(crate) y: f64x4,
@@ -72,10 +72,22 @@ impl VecLanes {
     pub(crate) fn length_squared(self) -> f64x4 {
         self.dot(self)
     }
+
+    #[inline(always)]
+    pub(crate) fn length(self) -> f64x4 {
+        self.length_squared().sqrt()
+    }
+
+    /// Returns unit vectors; no length stays none.
+    #[inline(always)]
+    pub(crate) fn normalized(self) -> Self {
+        let length = self.length();
+        self.scaled(length.simd_gt(f64x4::ZERO).bitselect(f64x4::ONE / length, f64x4::ZERO))
+    }
 }
 
 /// Four quaternions.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct QuatLanes {
     pub(crate) x: f64x4,
     pub(crate) y: f64x4,
@@ -171,6 +183,26 @@ impl QuatLanes {
             y: v.y + w * ty + (z * tx - x * tz),
             z: v.z + w * tz + (x * ty - y * tx),
         }
+    }
+}
+
+/// Four rigid motions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RigidLanes {
+    pub(crate) rotation: QuatLanes,
+    pub(crate) translation: VecLanes,
+}
+
+impl RigidLanes {
+    /// Move nothing.
+    pub(crate) fn identity() -> Self {
+        Self { rotation: QuatLanes::splat(DQuat::IDENTITY), translation: VecLanes::splat(DVec3::ZERO) }
+    }
+
+    /// Moves points.
+    #[inline(always)]
+    pub(crate) fn point(self, p: VecLanes) -> VecLanes {
+        self.rotation.rotate(p).plus(self.translation)
     }
 }
 

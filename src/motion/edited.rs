@@ -9,7 +9,13 @@ use super::{
     kinematics::{self, Instead},
     poses::Poses,
 };
-use crate::{math::Rigid, skeleton::JointId};
+use crate::{
+    math::{
+        Rigid,
+        lanes::{LANES, RigidLanes},
+    },
+    skeleton::JointId,
+};
 
 /// A clip along another path: which frame of the clip each frame shows, and where its carrier is.
 ///
@@ -61,10 +67,15 @@ impl EditedClip {
         }
     }
 
+    /// Returns a joint's local rotations where it turns otherwise than in the clip.
+    pub fn turned(&self, joint: JointId) -> Option<&[DQuat]> {
+        self.turned.iter().find(|turned| turned.joint == joint).map(|turned| &turned.rotations[..])
+    }
+
     /// Returns a joint's local rotation; not for the carrier, whose rotation follows from where it is.
     pub fn rotation(&self, frame: usize, joint: JointId) -> DQuat {
-        match self.turned.iter().find(|turned| turned.joint == joint) {
-            Some(turned) => turned.rotations[frame],
+        match self.turned(joint) {
+            Some(rotations) => rotations[frame],
             None => self.clip.rotations(self.source_frame(frame))[joint.idx()],
         }
     }
@@ -76,14 +87,14 @@ impl EditedClip {
         kinematics::world_rigids_instead(&self.clip.skeleton, &self.clip.poses, file_frame, &instead, out);
     }
 
-    /// Fills in the world motions of some joints; `out` has a place for every joint of the skeleton.
+    /// Fills in the motions of some joints below the carrier, in its space, at four frames; `out` has a place for every
+    /// joint of the skeleton, and the carrier's own moves nothing.
     ///
-    /// `joints` come parents first, each with all joints that it hangs on.
-    pub fn some_world_rigids(&self, frame: usize, joints: &[JointId], out: &mut [Rigid]) {
-        let file_frame = self.clip.file_frame(self.source_frame(frame));
-        let (skeleton, poses) = (&self.clip.skeleton, &self.clip.poses);
-        let joints = joints.iter().copied();
-        kinematics::some_world_rigids_instead(skeleton, poses, file_frame, &self.instead(frame), joints, out);
+    /// `joints` come parents first, each with all joints below the carrier that it hangs on.
+    pub(crate) fn rigids_in_carrier(&self, frames: [usize; LANES], joints: &[JointId], out: &mut [RigidLanes]) {
+        let file_frames = frames.map(|frame| self.clip.file_frame(self.source_frame(frame)));
+        let turned = (&self.turned[..], frames);
+        kinematics::fill_rigid_lanes(&self.clip.skeleton, &self.clip.poses, file_frames, turned, joints, out);
     }
 
     fn instead(&self, frame: usize) -> Instead<'_> {

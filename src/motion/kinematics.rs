@@ -11,7 +11,7 @@ use super::{TurnedJoint, poses::Poses, tracks::PointTracks};
 use crate::{
     math::{
         Rigid,
-        lanes::{LANES, QuatLanes, VecLanes},
+        lanes::{LANES, QuatLanes, RigidLanes, VecLanes},
     },
     skeleton::{JointId, Skeleton},
 };
@@ -40,31 +40,39 @@ pub(super) fn world_rigids_instead(
     out: &mut Vec<Rigid>,
 ) {
     out.clear();
-    out.resize(skeleton.n_joints(), Rigid::IDENTITY);
-    some_world_rigids_instead(skeleton, poses, frame, instead, skeleton.ids(), out);
-}
-
-/// Fills in the world motions of some joints, parents first, each with all that it hangs on.
-pub(super) fn some_world_rigids_instead(
-    skeleton: &Skeleton,
-    poses: &Poses,
-    frame: usize,
-    instead: &Instead,
-    joints: impl Iterator<Item = JointId>,
-    out: &mut [Rigid],
-) {
-    for id in joints {
-        let (idx, joint) = (id.idx(), skeleton.joint(id));
-        let mut local = poses.local(frame, idx);
-        if let Some(turned) = instead.turned.iter().find(|turned| turned.joint.idx() == idx) {
+    for (id, joint) in skeleton.ids().zip(skeleton.joints()) {
+        let mut local = poses.local(frame, id.idx());
+        if let Some(turned) = instead.turned.iter().find(|turned| turned.joint == id) {
             local.rotation = turned.rotations[instead.turned_frame];
         }
-        let world = match (instead.placed, joint.parent) {
-            (Some((id, world)), _) if id.idx() == idx => world,
+        out.push(match (instead.placed, joint.parent) {
+            (Some((placed, world)), _) if placed == id => world,
             (_, Some(parent)) => out[parent.idx()] * local,
             (_, None) => local,
+        });
+    }
+}
+
+/// Fills in the motions of some joints at four frames, parents first, each with all that it hangs on below a joint whose
+/// space they are in and which is in place. Frame by frame, and joint by joint with those of `turned` at `turned_frames`.
+pub(super) fn fill_rigid_lanes(
+    skeleton: &Skeleton,
+    poses: &Poses,
+    frames: [usize; LANES],
+    (turned, turned_frames): (&[TurnedJoint], [usize; LANES]),
+    joints: &[JointId],
+    out: &mut [RigidLanes],
+) {
+    for &id in joints {
+        let above = out[skeleton.joint(id).parent.expect("it hangs on another").idx()];
+        let local = match turned.iter().find(|turned| turned.joint == id) {
+            Some(turned) => QuatLanes::gather(|lane| turned.rotations[turned_frames[lane]]),
+            None => local_rotations(poses, frames, id.idx()),
         };
-        out[idx] = world;
+        out[id.idx()] = RigidLanes {
+            rotation: above.rotation.times(local),
+            translation: above.point(local_translations(poses, frames, id.idx())),
+        };
     }
 }
 
@@ -211,19 +219,17 @@ impl Walk {
     }
 
     fn fill(&self, poses: &Poses, frames: Range<usize>, tracks: &mut PointTracks) {
-        let identity = (QuatLanes::splat(DQuat::IDENTITY), VecLanes::splat(DVec3::ZERO));
-        let mut worlds = vec![identity; self.steps.len()];
+        let mut worlds = vec![RigidLanes::identity(); self.steps.len()];
         for group in (0..frames.len()).step_by(LANES) {
             // Lanes beyond the end repeat the last frame; the padding between points has room for them.
             let at: [usize; LANES] = std::array::from_fn(|lane| (frames.start + group + lane).min(frames.end - 1));
             for (slot, step) in self.steps.iter().enumerate() {
                 let world = step.world(poses, at, &worlds);
-                store(tracks, slot, group, world.1);
+                store(tracks, slot, group, world.translation);
                 worlds[slot] = world;
             }
             for (site, &(step, offset)) in self.sites.iter().enumerate() {
-                let (rotation, translation) = worlds[step];
-                let position = translation.plus(rotation.rotate(VecLanes::splat(offset)));
+                let position = worlds[step].point(VecLanes::splat(offset));
                 store(tracks, self.steps.len() + site, group, position);
             }
         }
@@ -241,21 +247,31 @@ impl Walk {
 impl Step {
     /// Returns orientation and position; the orientation is only meant where it is needed.
     #[inline(always)]
-    fn world(&self, poses: &Poses, at: [usize; LANES], worlds: &[(QuatLanes, VecLanes)]) -> (QuatLanes, VecLanes) {
-        let local_rotation = || QuatLanes::gather(|lane| poses.rotations[at[lane] * poses.n_joints + self.joint]);
-        let local_translation = || match poses.columns[self.joint] {
-            Some(column) => VecLanes::gather(|lane| poses.translations[at[lane] * poses.n_columns + column]),
-            None => VecLanes::splat(poses.fixed[self.joint]),
-        };
+    fn world(&self, poses: &Poses, at: [usize; LANES], worlds: &[RigidLanes]) -> RigidLanes {
+        let local_rotation = || local_rotations(poses, at, self.joint);
+        let local_translation = || local_translations(poses, at, self.joint);
         match self.parent {
-            Parent::World => (local_rotation(), local_translation()),
-            Parent::Origin => (QuatLanes::splat(DQuat::IDENTITY), VecLanes::splat(DVec3::ZERO)),
+            Parent::World => RigidLanes { rotation: local_rotation(), translation: local_translation() },
+            Parent::Origin => RigidLanes::identity(),
             Parent::Step(parent) => {
-                let (rotation, translation) = worlds[parent];
-                let position = translation.plus(rotation.rotate(local_translation()));
-                if self.turns { (rotation.times(local_rotation()), position) } else { (rotation, position) }
+                let above = worlds[parent];
+                let rotation = if self.turns { above.rotation.times(local_rotation()) } else { above.rotation };
+                RigidLanes { rotation, translation: above.point(local_translation()) }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn local_rotations(poses: &Poses, at: [usize; LANES], joint: usize) -> QuatLanes {
+    QuatLanes::gather(|lane| poses.rotations[at[lane] * poses.n_joints + joint])
+}
+
+#[inline(always)]
+fn local_translations(poses: &Poses, at: [usize; LANES], joint: usize) -> VecLanes {
+    match poses.columns[joint] {
+        Some(column) => VecLanes::gather(|lane| poses.translations[at[lane] * poses.n_columns + column]),
+        None => VecLanes::splat(poses.fixed[joint]),
     }
 }
 

@@ -97,12 +97,12 @@ impl NewPath {
         }
         listed(arc_lengths.len(), |range| {
             let mut cursor = Cursor::default();
-            let at = |&s: &f64| {
+            let at = move |&s: &f64| {
                 let mut frame = self.windowed_frame(self.arc.parameter_near(s, &mut cursor), s);
                 self.carry_on(&mut frame, s);
                 frame
             };
-            arc_lengths[range].iter().map(at).collect()
+            arc_lengths[range].iter().map(at)
         })
     }
 

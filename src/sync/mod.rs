@@ -1,4 +1,4 @@
-//! Between threads: a one-place mailbox where the newest value wins, and work on frames done by halves.
+//! Between threads: a one-place mailbox where the newest value wins, and work on frames shared by two cores.
 //!
 //! A mailbox's slow reader skips values and its fast writer never waits. The lock is held for a move, never across a
 //! call.
@@ -7,7 +7,7 @@ mod halves;
 
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-pub use halves::{halves, listed};
+pub use halves::{both, each, halves, listed, pooled};
 
 /// A place for one value, shared by clones.
 #[derive(Debug)]

@@ -61,8 +61,8 @@ fn main() {
     );
     let (mut held_rows, mut clean_rows): (Vec<Numbers>, Vec<Numbers>) = Default::default();
     for subject in subjects.iter().filter(|s| s.name.contains(&name_part)) {
-        let kept = Prepared::new(&subject.posed(), &[], &subject.feet);
-        let clean = Prepared::new(&subject.posed(), &[], &subject.with_mode(PlantMode::Clean));
+        let kept = Prepared::new(&subject.posed(), &[], &subject.feet, None);
+        let clean = Prepared::new(&subject.posed(), &[], &subject.with_mode(PlantMode::Clean), None);
         for degree in [5, 13] {
             for kind in SHAPES {
                 let plain = Plain::bent(subject, kind, degree, 0.5);
@@ -123,7 +123,7 @@ fn timed(n_frames: usize) {
     }
     let subject = Subject::new("longer", &Bvh::parse(longer.into_bytes(), "longer").expect("a valid file"));
     let plain = Plain::bent(&subject, ShapeKind::Circle, 13, 0.5);
-    let prepared = Prepared::new(&subject.posed(), &[], &subject.feet);
+    let prepared = Prepared::new(&subject.posed(), &[], &subject.feet, None);
     let mut fastest = f64::INFINITY;
     for _ in 0..9 {
         let begun = Instant::now();

@@ -98,9 +98,7 @@ fn main() {
     if wanted.is_empty() || "linear in frames".contains(&wanted) {
         linear();
     }
-    if wanted.is_empty() || "poses".contains(&wanted) {
-        poses(&start);
-    }
+    poses(&start, &wanted);
     if wanted.is_empty() {
         let times = timed(|| {
             solve(&source, &start.edits, None);
@@ -110,7 +108,7 @@ fn main() {
 }
 
 /// Prints how long it takes from a key that edits a pose to the scene that shows it; the target is 16 ms.
-fn poses(start: &Solved) {
+fn poses(start: &Solved, wanted: &str) {
     let arm = "gcgcgcgsgcgtgcgtgc";
     let leg = "gcgsgtgcgtgc";
     let keyed = "gai..........<lt>i<end>i<home>gn";
@@ -122,6 +120,9 @@ fn poses(start: &Solved) {
         ("a key moves the carrier", String::new()),
         ("a key moves a hand, Euler cubic, all keyed", format!("{keyed}BiBi{arm}")),
     ] {
+        if !"poses".contains(wanted) && !name.contains(wanted) {
+            continue;
+        }
         let source = Source { name: String::new(), file: None, bvh: start.source.bvh.clone() };
         let edits = (*start.edits).clone();
         let opened = Opened { source: Arc::new(source), edits, project: None, warnings: Vec::new() };

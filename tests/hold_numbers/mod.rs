@@ -62,8 +62,8 @@ impl Subject {
     }
 
     /// Returns the clip as it is, ready to be prepared.
-    pub(crate) fn posed(&self) -> EditedClip {
-        EditedClip::unedited(Arc::clone(&self.clip))
+    pub(crate) fn posed(&self) -> Arc<EditedClip> {
+        Arc::new(EditedClip::unedited(Arc::clone(&self.clip)))
     }
 
     /// Takes the built-in clip.
@@ -136,7 +136,7 @@ impl Plain {
     }
 
     pub(crate) fn held(&self, subject: &Subject, feet: &[FootPlants]) -> Held {
-        hold(&Prepared::new(&subject.posed(), &[], feet), &self.job(Ground::Steps))
+        hold(&Prepared::new(&subject.posed(), &[], feet, None), &self.job(Ground::Steps))
     }
 }
 
