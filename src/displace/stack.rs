@@ -71,6 +71,13 @@ impl Displaced {
         }
     }
 
+    /// Returns where a carrier that is displaced would be without layers: [`Displaced::carrier`] the other way round.
+    pub fn undisplaced_carrier(&self, frame: usize, carrier: Rigid, path_frame: DQuat) -> Rigid {
+        let turn = self.carrier_turns.get(frame).copied().unwrap_or(DQuat::IDENTITY);
+        let offset = self.offsets.get(frame).copied().unwrap_or(DVec3::ZERO);
+        Rigid::new(carrier.rotation * turn.conjugate(), carrier.translation - path_frame * offset)
+    }
+
     /// Returns the turned joints at the frames that are shown: each shows this frame of the clip.
     pub fn shown(&self, source_frames: &[u32]) -> Vec<TurnedJoint> {
         let shown = |turned: &TurnedJoint| TurnedJoint {
@@ -486,6 +493,9 @@ mod tests {
         let placed = displaced.carrier(frame, carried, quarter);
         assert!(placed.translation.abs_diff_eq(DVec3::new(8.0, 6.0, 6.5), 1e-12), "forward is +X here");
         assert_eq!(placed.rotation, carried.rotation * displaced.carrier_turns[frame]);
+        let back = displaced.undisplaced_carrier(frame, placed, quarter);
+        assert!(back.rotation.angle_between(carried.rotation) < 1e-7);
+        assert!(back.translation.distance(carried.translation) < 1e-12);
         assert_eq!(Displaced::default().carrier(frame, carried, quarter), carried);
     }
 

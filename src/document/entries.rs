@@ -6,7 +6,7 @@
 use serde::{Serialize, de::DeserializeOwned};
 use toml::{Table, Value};
 
-use super::parameter::word;
+use super::value::word;
 use crate::contact::PlantEdit;
 
 /// The keys of all entries in the order they are written.

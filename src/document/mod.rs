@@ -22,6 +22,8 @@ mod solved;
 mod source;
 mod strain;
 mod table;
+mod table_pictures;
+mod value;
 mod walked;
 
 use std::{path::Path, path::PathBuf, sync::Arc};

@@ -2,10 +2,13 @@
 //!
 //! Values travel as TOML values. The rows themselves are in the table, [`super::PARAMETERS`].
 
-use glam::DVec3;
 use toml::Value;
 
-use super::{Edits, entries, table::objects};
+use super::{
+    Edits, entries,
+    table_pictures::objects,
+    value::{as_number, as_vector, vector, word},
+};
 pub use crate::path::MAX_POINTS;
 use crate::{displace::Layer, motion::LegNames};
 
@@ -325,22 +328,4 @@ fn show_number(n: f64) -> String {
 /// Rounds to this many significant digits.
 fn round_to_digits(n: f64, digits: usize) -> f64 {
     format!("{n:.*e}", digits.saturating_sub(1)).parse().expect("a printed number parses")
-}
-
-pub(super) fn word(text: &str) -> Value {
-    Value::String(text.to_owned())
-}
-
-fn as_number(value: &Value) -> Option<f64> {
-    value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).filter(|n| n.is_finite())
-}
-
-/// Reads `[x, y, z]` of finite numbers.
-pub(super) fn as_vector(value: &Value) -> Option<DVec3> {
-    let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(as_number).collect();
-    <[f64; 3]>::try_from(numbers?).ok().map(DVec3::from)
-}
-
-pub(super) fn vector(v: DVec3) -> Value {
-    Value::Array(v.to_array().map(Value::Float).to_vec())
 }

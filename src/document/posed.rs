@@ -169,10 +169,7 @@ impl Posed {
 
     /// Takes the layers' part out of where a carrier is.
     pub(super) fn undisplaced(&self, frame: usize, carrier: Rigid, at: &PathFrame) -> Rigid {
-        let turn = self.displaced.carrier_turns.get(frame).map_or(DQuat::IDENTITY, |turn| turn.conjugate());
-        let offset = self.displaced.offsets.get(frame).copied().unwrap_or(DVec3::ZERO);
-        let path_frame = at.rotation(self.residuals.frame);
-        Rigid::new(carrier.rotation * turn, carrier.translation - path_frame * offset)
+        self.displaced.undisplaced_carrier(frame, carrier, at.rotation(self.residuals.frame))
     }
 
     /// Returns the clip as loaded with its layers, where no new path is walked.
