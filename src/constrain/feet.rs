@@ -31,7 +31,7 @@ const SHORTEST_SWING_SECS: f64 = 0.2;
 const LONGEST_GROUP_SECS: f64 = 2.5;
 
 /// On a ramp a foot does not tilt with a slope up to the first of these, and wholly from the second on: 3° and 6°.
-const TILTS_RAD: [f64; 2] = [0.052, 0.105];
+pub(super) const TILTS_RAD: [f64; 2] = [0.052, 0.105];
 
 /// A foot's plan.
 pub(super) struct FootPlan {

@@ -4,6 +4,8 @@
 
 use glam::{DMat2, DVec2, DVec3};
 
+use super::feet::{TILTS_RAD, smootherstep};
+
 /// Footprints spread less than this, in body heights, say little of a slope.
 const SPREAD: f64 = 0.1;
 
@@ -24,6 +26,14 @@ impl GroundSlope {
             rise += flat * d.y;
         }
         Self(spread.inverse() * rise)
+    }
+
+    /// Returns how far the ground rises over a way, clip's unit: nothing where its slope is so little that it is the
+    /// capture's rather than the ground's.
+    pub(super) fn climb(self, by: DVec3) -> f64 {
+        let [none, whole] = TILTS_RAD;
+        let share = smootherstep((self.0.length().atan() - none) / (whole - none));
+        share * self.0.dot(DVec2::new(by.x, by.z))
     }
 
     /// Returns the slope in a heading, radians.

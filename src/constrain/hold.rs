@@ -9,6 +9,7 @@ use super::{
     cost::Wish,
     feet::{self, FootPlan},
     ground::GroundSlope,
+    level::lifts,
     offset::Problem,
     prepared::PreparedLeg,
 };
@@ -66,7 +67,7 @@ pub struct Held {
     pub footprints: Vec<Footprint>,
     /// Plants that could not be reached.
     pub missed: Vec<Missed>,
-    /// Largest distance by which the carrier gave way, clip's unit.
+    /// Largest distance of the carrier from where plain path editing puts it, clip's unit.
     pub largest_offset: f64,
 }
 
@@ -111,6 +112,10 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let n = job.carrier.len();
     assert!(n <= prepared.n_frames && job.path.len() == n && job.original.len() == n, "the clip's frames, one to one");
     let dt = prepared.frame_time_secs;
+    let lifts = lifts(job.path, job.original, prepared.slope);
+    let lift = |(plain, by): (&Rigid, &f64)| Rigid { translation: plain.translation + *by * DVec3::Y, ..*plain };
+    let mut carrier: Vec<Rigid> = job.carrier.iter().zip(&lifts).map(lift).collect();
+    let job = &Job { carrier: &carrier, ..*job };
     let passage = listed(n, |frames| {
         let pairs = job.carrier[frames.clone()].iter().zip(&prepared.to_origin[frames]);
         pairs.map(|(plain, to_origin)| *plain * *to_origin)
@@ -118,15 +123,16 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let asks = each(&prepared.legs, n, |_, leg| Ask::new(leg, job, prepared.slope, &passage, dt));
     if moves_as_one(&passage, prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
         let footprints = footprints(prepared, &asks);
-        return Held { carrier: job.carrier.to_vec(), footprints, ..Held::default() };
+        let largest_offset = largest(lifts.iter().map(|by| *by * DVec3::Y));
+        return Held { carrier, footprints, largest_offset, ..Held::default() };
     }
     let wishes: Vec<&[Wish]> = asks.iter().map(|ask| &ask.wishes[..]).collect();
     let offsets = Problem { wishes: &wishes, frame_time_secs: dt, height: prepared.height }.offsets();
-    let mut held = Held { carrier: job.carrier.to_vec(), ..Held::default() };
-    for (carrier, offset) in held.carrier.iter_mut().zip(&offsets) {
+    for (carrier, offset) in carrier.iter_mut().zip(&offsets) {
         carrier.translation += offset;
     }
-    held.largest_offset = offsets.iter().map(|o| o.length_squared()).fold(0.0, f64::max).sqrt();
+    let mut held = Held { carrier, ..Held::default() };
+    held.largest_offset = largest(offsets.iter().zip(&lifts).map(|(offset, by)| *offset + *by * DVec3::Y));
     let bent = each(&prepared.legs, n, |idx, leg| {
         let Ask { plan, free, .. } = &asks[idx];
         let (carrier, offsets) = (&held.carrier, &offsets);
@@ -149,6 +155,10 @@ fn moves_as_one(passage: &[Rigid], height: f64) -> bool {
         let turn = first.rotation.conjugate() * by.rotation;
         turn.xyz().length() < SAME && first.translation.distance(by.translation) < SAME * height
     })
+}
+
+fn largest(ways: impl Iterator<Item = DVec3>) -> f64 {
+    ways.map(|way| way.length_squared()).fold(0.0, f64::max).sqrt()
 }
 
 fn footprints(prepared: &Prepared, asks: &[Ask]) -> Vec<Footprint> {

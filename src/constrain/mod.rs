@@ -18,6 +18,7 @@ mod cost;
 mod feet;
 mod ground;
 mod hold;
+mod level;
 mod offset;
 mod prepared;
 

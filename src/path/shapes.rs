@@ -118,7 +118,7 @@ impl Shape {
             ShapeKind::Zigzag => N_LEGS + 1,
             ShapeKind::Eight => [33, 21, 15][degree.clamp(1, 3) - 1],
             ShapeKind::U => [21, 15, 11][degree.clamp(1, 3) - 1],
-            ShapeKind::S => [21, 13, 9][degree.clamp(1, 3) - 1],
+            ShapeKind::S => [21, 13, 11][degree.clamp(1, 3) - 1],
         };
         enough.max(degree + 1)
     }
@@ -257,7 +257,7 @@ fn eight(l: f64) -> (f64, f64) {
 
 fn s(l: f64) -> (f64, f64) {
     let (left, ahead) = arc(2.0 * PI * l);
-    if l < 0.5 { (left, ahead) } else { (4.0 - left, -ahead) }
+    if l < 0.5 { (left, ahead) } else { (4.0 - left, ahead) }
 }
 
 fn u(l: f64) -> (f64, f64) {
@@ -345,6 +345,22 @@ mod tests {
             for p in around {
                 assert!((p.distance(middle) / radius - 1.0).abs() < 0.03, "degree {degree}");
             }
+        }
+    }
+
+    #[test]
+    fn an_s_goes_round_to_the_left_and_then_to_the_right_without_a_corner() {
+        for degree in 2..=9 {
+            let original = walk(|u| DVec3::new(0.0, 1.0, 6.0 * u));
+            let points = shape_points(Shape { kind: ShapeKind::S, size: 1.0 }, &original, 4, degree);
+            let spline = BSpline::new(degree, points);
+            let headings: Vec<f64> =
+                (0..=400).map(|i| heading_rad(spline.derivative(f64::from(i) / 400.0)).expect("it goes on")).collect();
+            let turns: Vec<f64> = headings.windows(2).map(|w| (w[1] - w[0] + PI).rem_euclid(2.0 * PI) - PI).collect();
+            assert!(turns.iter().all(|turn| turn.abs() < 0.1), "degree {degree}: {turns:?}");
+            let (there, back) = turns.split_at(200);
+            let [there, back]: [f64; 2] = [there, back].map(|turns| turns.iter().sum());
+            assert!((there - PI).abs() < 0.2 && (back + PI).abs() < 0.2, "degree {degree}: {there} {back}");
         }
     }
 
