@@ -19,8 +19,15 @@ use crate::{
     motion::TurnedJoint,
 };
 
-/// A planted leg is held within this share of its length, unless the source's own is longer.
-const LIMIT: f64 = 0.9995;
+/// A planted leg is held within this share of its length, unless the source's own is about as long: a knee that comes
+/// nearer to straight turns back within a frame or two.
+const LIMIT: f64 = 0.993;
+
+/// A planted leg may be longer than the source's by this share of its length …
+const LONGER: f64 = 0.003;
+
+/// … up to this share.
+const STRAIGHT: f64 = 0.999;
 
 /// A leg in swing is held within this share of its length, unless the source's own is longer.
 const SWING_LIMIT: f64 = 0.975;
@@ -29,7 +36,7 @@ const SWING_LIMIT: f64 = 0.975;
 const DRAW_SECS: f64 = 0.04;
 
 /// Time after a plant and before one over which a foot becomes free to be drawn in, seconds.
-const FREE_SECS: f64 = 0.1;
+const FREE_SECS: f64 = 0.2;
 
 /// Everything the turns of one leg follow from, frame by frame.
 pub(super) struct Bend<'a> {
@@ -122,7 +129,7 @@ impl Bend<'_> {
         let half = (DRAW_SECS / self.frame_time_secs).round().max(1.0) as usize;
         let mut drawn_in = Vec::new();
         for (frame, (wanted, source)) in wanted.iter().zip(&self.leg.shape.frames).enumerate() {
-            let most = source.reach.max(SWING_LIMIT * source.length);
+            let most = source.swing_limit();
             if self.free[frame] == 0.0 || wanted.length_squared() <= most * most {
                 continue;
             }
@@ -157,7 +164,6 @@ fn blurred(values: &[f64], half: usize) -> Vec<f64> {
 
 /// Returns how free a foot is at each frame: 0 in plants, 1 well away from them.
 pub(super) fn freedom(feet: &[Planned], frame_time_secs: f64) -> Vec<f64> {
-    let n_frames = (FREE_SECS / frame_time_secs).max(1.0);
     let mut free = Vec::with_capacity(feet.len());
     let mut since = f64::INFINITY;
     for foot in feet {
@@ -167,15 +173,28 @@ pub(super) fn freedom(feet: &[Planned], frame_time_secs: f64) -> Vec<f64> {
     let mut until = f64::INFINITY;
     for (free, foot) in free.iter_mut().zip(feet).rev() {
         until = if foot.plant.is_some() { 0.0 } else { until + 1.0 };
-        *free = smootherstep(free.min(until) / n_frames);
+        *free = free_at(free.min(until), frame_time_secs);
     }
     free
 }
 
+/// Returns how free a foot is this many frames from the nearest plant.
+pub(super) fn free_at(n_frames: f64, frame_time_secs: f64) -> f64 {
+    smootherstep(n_frames / (FREE_SECS / frame_time_secs).max(1.0))
+}
+
 impl LegFrame {
-    /// Returns the distance from hip to ankle that a planted leg keeps to.
-    pub(super) fn limit(&self) -> f64 {
-        (LIMIT * self.length).max(self.reach)
+    /// Returns the distance from hip to ankle that a leg may ask for, its foot as free as this, so that it is no longer
+    /// than a planted leg may be once its foot is drawn in; infinite for a free foot.
+    pub(super) fn limit_when(&self, free: f64) -> f64 {
+        let near = (self.reach + LONGER * self.length).min(STRAIGHT * self.length);
+        let planted = near.max(LIMIT * self.length).max(self.reach);
+        if free < 1.0 { (planted - free * self.swing_limit()) / (1.0 - free) } else { f64::INFINITY }
+    }
+
+    /// Returns the distance from hip to ankle beyond which a free foot is drawn in.
+    fn swing_limit(&self) -> f64 {
+        (SWING_LIMIT * self.length).max(self.reach)
     }
 }
 
@@ -192,13 +211,28 @@ mod tests {
     }
 
     #[test]
+    fn a_leg_may_ask_for_more_the_further_its_foot_is_drawn_in() {
+        let frame =
+            |reach: f64| LegFrame { hip: DVec3::ZERO, reach, length: 1.0, ankle: Rigid::IDENTITY, toe: DVec3::ZERO };
+        let bent = frame(0.8);
+        assert_eq!((bent.limit_when(0.0), bent.limit_when(1.0)), (LIMIT, f64::INFINITY));
+        for free in [0.1, 0.5, 0.9] {
+            let asked = bent.limit_when(free);
+            let left = asked - free * (asked - SWING_LIMIT);
+            assert!((left - LIMIT).abs() < 1e-12, "{free} {asked}");
+        }
+        // A leg that is straight in the source may stay so, and one that nearly is may be a little straighter.
+        assert_eq!((frame(1.0).limit_when(0.0), frame(0.998).limit_when(0.0)), (1.0, STRAIGHT));
+    }
+
+    #[test]
     fn a_foot_is_free_only_away_from_plants() {
         let planned = |plant| Planned { ankle: Rigid::IDENTITY, follows: DVec3::ZERO, plant };
         let feet: Vec<Planned> = (0..40).map(|f| planned((10..20).contains(&f).then_some(0))).collect();
-        let free = freedom(&feet, 0.025);
+        let free = freedom(&feet, 0.05);
         assert!(free[10..20].iter().all(|&f| f == 0.0));
         assert!(free[9] > 0.0 && free[9] < 0.2 && free[8] > free[9] && free[6] == 1.0 && free[0] == 1.0);
         assert_eq!((free[9], free[8]), (free[20], free[21]));
-        assert!(freedom(&[planned(None)], 0.025) == [1.0] && freedom(&[], 0.025).is_empty());
+        assert!(freedom(&[planned(None)], 0.05) == [1.0] && freedom(&[], 0.05).is_empty());
     }
 }

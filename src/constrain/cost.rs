@@ -11,7 +11,7 @@ use glam::DVec3;
 const NEARNESS: f64 = 0.2;
 
 /// Price of an offset's excess over [`MOST_OFFSET`].
-const FAR_PRICE: f64 = 30.0;
+const FAR_PRICE: f64 = 100.0;
 
 /// An offset up to this share of the body height costs little.
 const MOST_OFFSET: f64 = 0.045;
@@ -35,7 +35,7 @@ pub(super) struct Wish {
     pub(super) length: f64,
     /// Price of turning the knee.
     pub(super) weight: f64,
-    /// Distance not to be exceeded; infinite for a leg in swing.
+    /// Distance not to be exceeded; infinite for a leg well within its swing.
     pub(super) limit: f64,
 }
 

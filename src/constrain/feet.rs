@@ -3,12 +3,13 @@
 //! In a swing the foot lets go of one plant's motion, follows the body for a while and takes up the next one's: the
 //! shares of the two motions fall and rise smoothly, what is left of them is the body's own.
 
-use glam::{DMat3, DQuat, DVec3, DVec4};
+use glam::{DMat3, DQuat, DVec2, DVec3, DVec4};
 
 use super::{
     Ground, Job,
+    give::Passing,
     ground::GroundSlope,
-    prepared::{FootAt, PreparedLeg, PreparedPlant},
+    prepared::{PreparedLeg, PreparedPlant},
 };
 use crate::{
     contact::PlantMode,
@@ -73,8 +74,9 @@ struct Motion {
 #[derive(Clone, Copy)]
 struct Fade([f64; 2]);
 
-/// Times as numbers of frames.
+/// Times as numbers of frames; and that of one, seconds.
 struct Times {
+    frame_secs: f64,
     longest_fade: f64,
     longest_swing: f64,
     shortest_swing: usize,
@@ -85,6 +87,7 @@ impl Times {
     fn new(frame_time_secs: f64) -> Self {
         let frames_in = |secs: f64| (secs / frame_time_secs).ceil().max(1.0);
         Self {
+            frame_secs: frame_time_secs,
             longest_fade: frames_in(LONGEST_FADE_SECS),
             longest_swing: frames_in(LONGEST_SWING_SECS),
             shortest_swing: frames_in(SHORTEST_SWING_SECS) as usize,
@@ -201,7 +204,10 @@ fn stands<'a>(
             end += 1;
         }
         let group = &leg.plants[idx..end];
-        let motion = is_held(&group[0]).then(|| motion_of(group, &leg.feet, (job, source), passage));
+        let motion = is_held(&group[0]).then(|| {
+            let passing = Passing { leg, plants: group, carrier: job.carrier, frame_time_secs: times.frame_secs };
+            motion_of(&passing, (job, source), passage)
+        });
         let motion = motion.map(|rigid| Motion { rigid, turn: DMat3::from_quat(rigid.rotation) });
         stands.extend((idx as u32..).zip(group).map(|(idx, plant)| Stand { idx, plant, motion }));
     }
@@ -228,23 +234,20 @@ impl Motion {
 }
 
 /// Returns the one motion of plants: the mean turn of plain path editing about up, and where it puts the foot on
-/// average; on a ramp also the slope's tilt.
-fn motion_of(
-    plants: &[PreparedPlant],
-    feet: &[FootAt],
-    (job, source): (&Job, GroundSlope),
-    passage: &[Rigid],
-) -> Rigid {
+/// average, as near to that as the leg allows; on a ramp also the slope's tilt.
+fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[Rigid]) -> Rigid {
     let (mut place, mut foot, mut yaw, mut heading) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0);
-    let (mut over_path, mut over_ground) = (0.0, 0.0);
+    let (mut over_path, mut over_ground, mut rise_source) = (0.0, 0.0, 0.0);
     let mut n = 0.0;
-    for f in plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
-        let mid = feet[f].middle();
+    for f in passing.plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
+        let mid = passing.leg.feet[f].middle();
         foot += mid;
         place += passage[f].point(mid);
         yaw += job.path[f].heading_rad - job.original[f].heading_rad;
         over_path += job.path[f].slope_rad - job.original[f].slope_rad;
-        over_ground += job.path[f].slope_rad - source.in_heading_rad(job.original[f].heading_rad);
+        let ground_rad = source.in_heading_rad(job.original[f].heading_rad);
+        rise_source += ground_rad;
+        over_ground += job.path[f].slope_rad - ground_rad;
         heading += job.path[f].heading_rad;
         n += 1.0;
     }
@@ -255,18 +258,27 @@ fn motion_of(
         // A turn about X takes Z down, so a slope up is a negative one.
         rotation = along * DQuat::from_rotation_x(-tilt(over_path / n, over_ground / n)) * along.conjugate() * rotation;
     }
-    Rigid::new(rotation, place - rotation * foot)
+    let mut motion = Rigid::new(rotation, place - rotation * foot);
+    let way = passing.gives_way(&motion);
+    let ground_rad = steeper(over_path / n, over_ground / n) + rise_source / n;
+    let rise = ground_rad.tan() * way.dot(DVec2::from((heading / n).sin_cos()));
+    motion.translation += DVec3::new(way.x, rise, way.y);
+    motion
 }
 
-/// Returns how far a foot tilts where the new path is steeper than the original one, and than the source's ground, by
-/// this, radians: the lesser of the two, because a fitted path also falls where the body crouches, and not at all for
-/// the little by which it rises and falls with the body on level ground.
-fn tilt(over_path_rad: f64, over_ground_rad: f64) -> f64 {
-    let [none, whole] = TILTS_RAD;
-    let slope_rad = match over_path_rad * over_ground_rad > 0.0 {
+/// Returns how much steeper the ground is than the source's where the new path is steeper than the original one, and than
+/// the source's ground, by this, radians: the lesser of the two, because a fitted path also falls where the body crouches.
+fn steeper(over_path_rad: f64, over_ground_rad: f64) -> f64 {
+    match over_path_rad * over_ground_rad > 0.0 {
         true => over_path_rad.signum() * over_path_rad.abs().min(over_ground_rad.abs()),
         false => 0.0,
-    };
+    }
+}
+
+/// Returns how far a foot tilts on such ground: not at all for the little by which a path rises and falls with the body.
+fn tilt(over_path_rad: f64, over_ground_rad: f64) -> f64 {
+    let [none, whole] = TILTS_RAD;
+    let slope_rad = steeper(over_path_rad, over_ground_rad);
     slope_rad * smootherstep((slope_rad.abs() - none) / (whole - none))
 }
 

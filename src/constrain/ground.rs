@@ -14,7 +14,8 @@ const SPREAD: f64 = 0.1;
 pub(super) struct GroundSlope(DVec2);
 
 impl GroundSlope {
-    /// Fits a plane to footprints, least squares, held level where they do not spread; `height` is the body's.
+    /// Fits a plane to footprints, least squares, held level where they do not spread; `height` is the body's. A slope so
+    /// little that it is the capture's rather than the ground's is none.
     pub(super) fn under(feet: &[DVec3], height: f64) -> Self {
         let n = feet.len().max(1) as f64;
         let mean = feet.iter().sum::<DVec3>() / n;
@@ -25,15 +26,14 @@ impl GroundSlope {
             spread += DMat2::from_cols(flat * flat.x, flat * flat.y);
             rise += flat * d.y;
         }
-        Self(spread.inverse() * rise)
+        let slope = spread.inverse() * rise;
+        let [none, whole] = TILTS_RAD;
+        Self(slope * smootherstep((slope.length().atan() - none) / (whole - none)))
     }
 
-    /// Returns how far the ground rises over a way, clip's unit: nothing where its slope is so little that it is the
-    /// capture's rather than the ground's.
+    /// Returns how far the ground rises over a way, clip's unit.
     pub(super) fn climb(self, by: DVec3) -> f64 {
-        let [none, whole] = TILTS_RAD;
-        let share = smootherstep((self.0.length().atan() - none) / (whole - none));
-        share * self.0.dot(DVec2::new(by.x, by.z))
+        self.0.dot(DVec2::new(by.x, by.z))
     }
 
     /// Returns the slope in a heading, radians.

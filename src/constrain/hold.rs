@@ -189,7 +189,7 @@ impl Ask {
                 length: frame.length,
                 weight: 1.0 + free * (SWING_WEIGHT - 1.0),
                 // Nor may a leg be too long just before it is planted and just after, where it is not free yet.
-                limit: if free < 1.0 { frame.limit() } else { f64::INFINITY },
+                limit: frame.limit_when(free),
             })
             .collect();
         Self { plan, free, wishes }

@@ -16,6 +16,7 @@ mod banded;
 mod bend;
 mod cost;
 mod feet;
+mod give;
 mod ground;
 mod hold;
 mod level;

@@ -88,8 +88,8 @@ pub(super) struct LegFrame {
     pub(super) reach: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
-    ankle: Rigid,
-    toe: DVec3,
+    pub(super) ankle: Rigid,
+    pub(super) toe: DVec3,
 }
 
 /// How one leg is bent at four frames, the last ones of a clip repeated; in the carrier's space.
