@@ -68,9 +68,9 @@ fn captured_clips_keep_their_feet() {
     const CLIPS: [(&str, f64); 6] = [
         ("walk01", 0.035),
         ("cmu_12_03_walk", 0.045),
-        ("figure8_walk", 0.077),
+        ("figure8_walk", 0.08),
         ("zombie_turns_z_up", 0.06),
-        ("cmu_131_01_start_walk_stop", 0.145),
+        ("cmu_131_01_start_walk_stop", 0.26),
         ("cmu_01_01_jumps", 0.055),
     ];
     let Some(dir) = clips() else { return };
@@ -230,10 +230,10 @@ fn feet_climb_and_the_body_follows_smoothly() {
                 let numbers = measure(subject, &held);
                 let told = format!("{} {slope_deg}° {ground:?}: {numbers:?}", subject.name);
                 assert!(held.missed.is_empty() && numbers.knee_back_deg > -0.1, "{told}");
-                // The body follows smoothly; a foot that tilts with the slope rolls along it, not along the floor.
+                // The body follows smoothly.
                 assert!(numbers.offset < 0.09 && numbers.jerk < 1.6, "{told}");
-                let tilts = ground == Ground::Ramp;
-                assert!(tilts || (numbers.planted_speed <= 1.02 && numbers.slip <= 1.05), "{told}");
+                // A tilted foot may stand on its other end for longer.
+                assert!(numbers.planted_speed <= 1.02 && numbers.slip <= 1.06, "{told}");
                 for print in &held.footprints {
                     let off = print.place.y - height_at(&path, print.place) - height_over(subject, &original, print);
                     assert!(off.abs() < 0.05 * height, "{told}: {print:?} {off}");
@@ -284,6 +284,6 @@ proptest! {
         let numbers = measure(subject, &held);
         prop_assert!(numbers.bones < 1e-9, "{numbers:?}");
         // A path of any sharpness may ask too much of the legs; then it is said.
-        prop_assert!(!held.missed.is_empty() || ramp || (numbers.slip < 1.05 && numbers.planted_speed < 1.02), "{numbers:?}");
+        prop_assert!(!held.missed.is_empty() || (numbers.slip < 1.05 && numbers.planted_speed < 1.02), "{numbers:?}");
     }
 }

@@ -10,6 +10,7 @@ use super::{
     give::Passing,
     ground::GroundSlope,
     prepared::{PreparedLeg, PreparedPlant},
+    slide::{Contact, Slide},
 };
 use crate::{
     contact::PlantMode,
@@ -54,12 +55,13 @@ pub(super) struct Planned {
 }
 
 /// A plant at whose ends something else begins.
-#[derive(Clone, Copy)]
 struct Stand<'a> {
     idx: u32,
     plant: &'a PreparedPlant,
     /// None for an intended slide, which is the body's own.
     motion: Option<Motion>,
+    /// What tilting the foot with a slope makes of its roll: that is no slide of the performer's. World.
+    tilted: Slide,
 }
 
 /// The motion of a plant.
@@ -68,6 +70,8 @@ struct Motion {
     rigid: Rigid,
     /// Its rotation.
     turn: DMat3,
+    /// The same without a tilt.
+    upright: DQuat,
 }
 
 /// How fast a plant's motion comes and goes, along and up: what a frame is of the whole.
@@ -169,7 +173,7 @@ fn between(
         let alike = if passage.rotation.dot(turn) < 0.0 { -along } else { along };
         let shares = DVec3::new(along, up, along);
         rotation += alike * DVec4::from(turn);
-        translation += shares * motion.point(stand.stood(ankle, frame));
+        translation += shares * stand.place(motion, ankle, frame);
         follows -= shares;
     }
     let follows = follows.max(DVec3::ZERO);
@@ -208,8 +212,10 @@ fn stands<'a>(
             let passing = Passing { leg, plants: group, carrier: job.carrier, frame_time_secs: times.frame_secs };
             motion_of(&passing, (job, source), passage)
         });
-        let motion = motion.map(|rigid| Motion { rigid, turn: DMat3::from_quat(rigid.rotation) });
-        stands.extend((idx as u32..).zip(group).map(|(idx, plant)| Stand { idx, plant, motion }));
+        stands.extend((idx as u32..).zip(group).map(|(idx, plant)| {
+            let tilted = motion.map_or_else(Slide::default, |motion| motion.tilted(leg, plant, times.frame_secs));
+            Stand { idx, plant, motion, tilted }
+        }));
     }
     stands
 }
@@ -218,16 +224,30 @@ impl Stand<'_> {
     /// Returns where the ankle of a frame is by this plant's motion, if it has one; also for frames outside it.
     fn moved(&self, ankle: &Rigid, frame: usize) -> Option<Rigid> {
         let motion = self.motion.as_ref()?;
-        Some(Rigid::new(motion.rigid.rotation * ankle.rotation, motion.point(self.stood(ankle, frame))))
+        Some(Rigid::new(motion.rigid.rotation * ankle.rotation, self.place(motion, ankle, frame)))
     }
 
-    /// Returns where the ankle would be in the source without what is taken off its own slide.
-    fn stood(&self, ankle: &Rigid, frame: usize) -> DVec3 {
-        ankle.translation - self.plant.slid(frame)
+    /// Returns where a motion of this plant has the ankle of a frame.
+    fn place(&self, motion: &Motion, ankle: &Rigid, frame: usize) -> DVec3 {
+        motion.point(ankle.translation - self.plant.slid(frame)) - self.tilted.at(frame)
     }
 }
 
 impl Motion {
+    /// Returns how far a plant slides because its foot is tilted.
+    fn tilted(&self, leg: &PreparedLeg, plant: &PreparedPlant, frame_time_secs: f64) -> Slide {
+        let rotation = self.rigid.rotation;
+        if rotation == self.upright {
+            return Slide::default();
+        }
+        let step = |from: usize, to: usize| {
+            let (was, is) = (&leg.feet[from], &leg.feet[to]);
+            let way = Contact::of(was, is).way(was, is) - (plant.slid(to) - plant.slid(from));
+            (rotation * way - self.upright * way).with_y(0.0)
+        };
+        Slide::new(&plant.plant, leg.feet.len(), frame_time_secs, step)
+    }
+
     fn point(&self, p: DVec3) -> DVec3 {
         self.turn * p + self.rigid.translation
     }
@@ -235,7 +255,7 @@ impl Motion {
 
 /// Returns the one motion of plants: the mean turn of plain path editing about up, and where it puts the foot on
 /// average, as near to that as the leg allows; on a ramp also the slope's tilt.
-fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[Rigid]) -> Rigid {
+fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[Rigid]) -> Motion {
     let (mut place, mut foot, mut yaw, mut heading) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0);
     let (mut over_path, mut over_ground, mut rise_source) = (0.0, 0.0, 0.0);
     let mut n = 0.0;
@@ -252,18 +272,19 @@ fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[R
         n += 1.0;
     }
     let (place, foot) = (place / n, foot / n);
-    let mut rotation = heading_rotation(yaw / n);
+    let upright = heading_rotation(yaw / n);
+    let mut rotation = upright;
     if job.ground == Ground::Ramp {
         let along = heading_rotation(heading / n);
         // A turn about X takes Z down, so a slope up is a negative one.
-        rotation = along * DQuat::from_rotation_x(-tilt(over_path / n, over_ground / n)) * along.conjugate() * rotation;
+        rotation = along * DQuat::from_rotation_x(-tilt(over_path / n, over_ground / n)) * along.conjugate() * upright;
     }
     let mut motion = Rigid::new(rotation, place - rotation * foot);
     let way = passing.gives_way(&motion);
     let ground_rad = steeper(over_path / n, over_ground / n) + rise_source / n;
     let rise = ground_rad.tan() * way.dot(DVec2::from((heading / n).sin_cos()));
     motion.translation += DVec3::new(way.x, rise, way.y);
-    motion
+    Motion { rigid: motion, turn: DMat3::from_quat(rotation), upright }
 }
 
 /// Returns how much steeper the ground is than the source's where the new path is steeper than the original one, and than

@@ -22,6 +22,7 @@ mod hold;
 mod level;
 mod offset;
 mod prepared;
+mod slide;
 
 pub use hold::{Footprint, Ground, Held, Job, Missed, hold};
 pub use prepared::Prepared;

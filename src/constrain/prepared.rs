@@ -5,8 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use wide::f64x4;
 
-use super::feet::smootherstep;
-use super::ground::GroundSlope;
+use super::{
+    ground::GroundSlope,
+    slide::{Contact, Slide},
+};
 use crate::{
     contact::{FootPlants, Plant, PlantMode},
     math::{
@@ -21,9 +23,6 @@ use crate::{
 /// Weight of a leg's usual hinge against the one its bend shows, as the sine of a bend: a knee bent less than this
 /// takes the usual one.
 const USUAL_HINGE: f64 = 0.05;
-
-/// Time before and after a clean plant over which the foot comes to rest and sets off, seconds.
-const REST_SECS: f64 = 0.1;
 
 /// A leg shorter than this share of the body height is none.
 const SHORTEST_LEG: f64 = 1e-3;
@@ -186,7 +185,7 @@ impl PreparedLeg {
 
     /// Tells whether the foot slides in its plants as it did.
     pub(super) fn keeps_its_slides(&self) -> bool {
-        self.plants.iter().all(|plant| plant.slide.slid.is_empty())
+        self.plants.iter().all(|plant| plant.slide.is_none())
     }
 }
 
@@ -325,18 +324,15 @@ impl PreparedPlant {
         let along: DVec3 = stands.iter().map(|at| at.toe - at.ankle.translation).sum();
         let slide = match plant.mode {
             PlantMode::Clean => {
-                let own = |from: usize, to: usize| {
-                    let by_toe = is_by_toe(&feet[from], &feet[to]);
-                    point_step(&feet[from], &feet[to], by_toe)
-                };
+                let own = |from: usize, to: usize| Contact::of(&feet[from], &feet[to]).step(&feet[from], &feet[to]);
                 Slide::new(&plant, feet.len(), frame_time_secs, own)
             }
             PlantMode::Hold if !own_feet.is_empty() => {
                 // What the carrier's own motion made of the same step is the foot's own slide.
                 let added = |from: usize, to: usize| {
                     let (was, is) = (&own_feet[from], &own_feet[to]);
-                    let by_toe = is_by_toe(was, is);
-                    point_step(&feet[from], &feet[to], by_toe) - point_step(was, is, by_toe)
+                    let contact = Contact::of(was, is);
+                    contact.step(&feet[from], &feet[to]) - contact.step(was, is)
                 };
                 Slide::new(&plant, feet.len(), frame_time_secs, added)
             }
@@ -348,53 +344,6 @@ impl PreparedPlant {
 
     /// Returns how far the foot has slid at a frame, also outside the plant; 0 when its own slide is kept.
     pub(super) fn slid(&self, frame: usize) -> DVec3 {
-        let Slide { first, slid } = &self.slide;
-        slid.get(frame.saturating_sub(*first)).or(slid.last()).copied().unwrap_or(DVec3::ZERO)
+        self.slide.at(frame)
     }
-}
-
-/// How far the contact point, ankle or toe, whichever moves less in each step, has slid: world, horizontal, 0 in the
-/// mean over the plant.
-///
-/// It goes on for a moment before and after the plant, ever less of it, so that the foot comes to rest and sets off
-/// smoothly.
-#[derive(Clone, Debug, Default)]
-struct Slide {
-    /// Frame of the first value; before it that one holds, after the last one the last.
-    first: usize,
-    slid: Vec<DVec3>,
-}
-
-impl Slide {
-    /// Adds up the steps of a plant; `step` is how far the foot slides from one frame to the next.
-    fn new(plant: &Plant, n_frames: usize, frame_time_secs: f64, step: impl Fn(usize, usize) -> DVec3) -> Self {
-        let rest = (REST_SECS / frame_time_secs).ceil().max(1.0);
-        let first = plant.first.saturating_sub(rest as usize);
-        let last = (plant.last + rest as usize).min(n_frames - 1);
-        let mut slid = vec![DVec3::ZERO];
-        for to in first + 1..=last {
-            // Outside the plant, what its first or last step was.
-            let like = if plant.first < plant.last { to.clamp(plant.first + 1, plant.last) } else { to };
-            let share = 1.0 - smootherstep(to.abs_diff(like) as f64 / rest);
-            slid.push(slid[slid.len() - 1] + share * step(like - 1, like));
-        }
-        let stands = &slid[plant.first - first..=plant.last - first];
-        let mean = stands.iter().sum::<DVec3>() / stands.len() as f64;
-        slid.iter_mut().for_each(|s| *s -= mean);
-        Self { first, slid }
-    }
-}
-
-/// Tells whether the foot stands on its toe from one frame to another: that moves less than the ankle.
-fn is_by_toe(from: &FootAt, to: &FootAt) -> bool {
-    point_step(from, to, true).length_squared() < point_step(from, to, false).length_squared()
-}
-
-/// Returns the horizontal step of the toe or of the ankle.
-fn point_step(from: &FootAt, to: &FootAt, of_toe: bool) -> DVec3 {
-    let step = match of_toe {
-        true => to.toe - from.toe,
-        false => to.ankle.translation - from.ankle.translation,
-    };
-    step.with_y(0.0)
 }
