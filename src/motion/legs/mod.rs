@@ -1,10 +1,10 @@
 //! Which joints are legs: by name where names speak, by shape where they do not.
 //!
 //! Names say that a joint belongs to a leg, and to which one; topology says in what order its parts must hang on each
-//! other; positions tell a hip from the helper joint above it. Where no leg is named, two mirrored chains that hang from
-//! the pelvis and end lowest are the legs, and the side follows from where the feet point; where one is, the chain that
-//! mirrors it is the other. Joints may stand between the ones named here (twist joints): a [`Leg`] lists where the leg
-//! bends.
+//! other; positions tell a hip from the helper joint above it. Where no leg is named, two mirrored chains that hang
+//! from the pelvis and end lowest are the legs, and the side follows from where the feet point; where one is, the chain
+//! that mirrors it is the other. Joints may stand between the ones named here (twist joints): a [`Leg`] lists where the
+//! leg bends.
 
 mod names;
 mod shape;
