@@ -165,6 +165,67 @@ fn scripts_can_refuse_an_edit_by_its_numbers() {
     assert_eq!(walkabout(&["measure", "--fail", "slop=1"]).status.code(), Some(2));
 }
 
+/// A torso that glides along a straight line at one speed.
+fn torso() -> String {
+    let joint = |name: &str, offset: &str| {
+        format!("JOINT {name}\n{{\nOFFSET {offset}\nCHANNELS 3 Zrotation Xrotation Yrotation\n")
+    };
+    let mut text = "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\n\
+                    CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+        .to_owned();
+    text += &(joint("Spine", "0 20 0") + &joint("Chest", "0 25 0"));
+    for (side, x) in [("Left", 1), ("Right", -1)] {
+        text += &joint(&format!("{side}Arm"), &format!("{} 0 0", 15 * x));
+        text += &joint(&format!("{side}ForeArm"), "0 -30 0");
+        text += &(joint(&format!("{side}Hand"), "0 -27 0") + "End Site\n{\nOFFSET 0 -10 0\n}\n}\n}\n}\n");
+    }
+    text += &(joint("Head", "0 15 0") + "End Site\n{\nOFFSET 0 20 0\n}\n}\n}\n}\n}\n");
+    text += "MOTION\nFrames: 60\nFrame Time: 0.0333333\n";
+    (0..60).for_each(|frame| text += &format!("{} 100 {} {}\n", 2 * frame, 3 * frame, "0 ".repeat(30)));
+    text
+}
+
+#[test]
+fn a_clip_without_legs_says_so_wherever_it_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (clip, out) = (folder.path().join("torso.bvh"), folder.path().join("out.bvh"));
+    std::fs::write(&clip, torso()).expect("written");
+    let clip = text(&clip);
+    let warning = "no legs found: edited without holding; clip.legs names them";
+    for args in [&["info", clip][..], &["measure", clip, "--json"], &["export", clip, "-o", text(&out)]] {
+        let told = walkabout(args).stderr;
+        assert!(String::from_utf8_lossy(&told).contains(warning), "{args:?}");
+    }
+    let bent = json(&["measure", clip, "--shape", "circle", "--json"]);
+    assert_eq!(bent["warnings"], serde_json::json!([warning]));
+    assert_eq!(bent["jerk_ratio"], Value::Null, "there is no jerk to compare with");
+    assert!(done(&["measure", clip, "--shape", "circle"]).contains("jerk ratio       –"));
+}
+
+#[test]
+fn what_cannot_be_measured_is_beyond_every_limit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let clip = folder.path().join("torso.bvh");
+    std::fs::write(&clip, torso()).expect("written");
+    let clip = text(&clip);
+    done(&["measure", clip, "--fail", "missed=0"]);
+    refused(&["measure", clip, "--fail", "slip=9", "--fail", "missed=0"], 1, "slip cannot be measured: no legs");
+    refused(&["measure", "--fail", "seam_ratio=9"], 1, "seam_ratio cannot be measured: no cycle joins another");
+    let never = [
+        "measure",
+        "--set",
+        "plant=[{foot='left', first=0, last=9999, mode='none'}, {foot='right', first=0, last=9999, mode='none'}]",
+    ];
+    for number in ["planted_speed", "planted_speed_ratio", "slip", "slip_ratio"] {
+        let limit = format!("{number}=9");
+        refused(&[&never[..], &["--fail", &limit]].concat(), 1, "cannot be measured: no foot stands");
+    }
+    refused(&[&never[..], &["--fail", "clearance_ratio=0"]].concat(), 1, "cannot be measured: no foot stands");
+    done(&[&never[..], &["--fail", "missed=0"]].concat());
+    let help = done(&["measure", "--help"]);
+    assert!(help.contains("A number that cannot be measured is beyond every limit"), "{help}");
+}
+
 #[test]
 fn every_clip_that_moves_walks_every_shape() {
     let folder = tempfile::tempdir().expect("a folder");

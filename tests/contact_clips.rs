@@ -4,7 +4,7 @@ use std::{env, fs, path::PathBuf};
 
 use walkabout::{
     bvh::Bvh,
-    contact::{Detection, FootPlants, Thresholds},
+    contact::{Detection, FootPlants, Plant, Thresholds},
     motion::{
         Clip, ClipOptions, Leg, Side, find_legs,
         gait::{self, built_in},
@@ -113,6 +113,9 @@ fn captured_clips_have_the_legs_and_plants_that_were_counted() {
         for plants in feet.iter().map(|foot| &foot.plants) {
             assert!(plants.iter().all(|plant| plant.first <= plant.last && plant.last < clip.n_frames()), "{file}");
             assert!(plants.windows(2).all(|pair| pair[0].last + 1 < pair[1].first), "{file}");
+            let lasts = |plant: &Plant| plant.n_frames() as f64 * clip.frame_time_secs;
+            let short: Vec<_> = plants.iter().filter(|plant| lasts(plant) < 0.06).collect();
+            assert!(short.is_empty(), "{file}: shorter than 60 ms: {short:?}");
         }
     }
 }
@@ -132,6 +135,32 @@ fn legs_without_names_are_the_same_legs() {
             assert!(found.is_empty(), "{found:?}");
         } else {
             assert_eq!(found, named, "{file}");
+        }
+    }
+}
+
+#[test]
+fn a_leg_without_names_is_found_beside_the_named_one() {
+    let Some(folder) = clips() else { return };
+    for Known { file, .. } in KNOWN {
+        let bytes = fs::read(folder.join(file).with_extension("bvh")).expect(file);
+        let clip = clip(bytes, file);
+        let named = legs(&clip);
+        for forgotten in &named {
+            let mut clip = clip.clone();
+            let of_leg = clip.skeleton.subtree(forgotten.hip);
+            let joints = clip.skeleton.joints().iter().zip(of_leg);
+            let joints = joints.map(|(joint, of_leg)| Joint {
+                name: if of_leg { "joint".to_owned() } else { joint.name.clone() },
+                ..joint.clone()
+            });
+            clip.skeleton = Skeleton::new(joints.collect());
+            let found = legs(&clip);
+            assert_eq!(found.len(), 2, "{file} without the {} leg's names", forgotten.side.name());
+            for (found, named) in found.iter().zip(&named) {
+                let bends = |leg: &Leg| (leg.side, leg.hip, leg.knee, leg.ankle);
+                assert_eq!(bends(found), bends(named), "{file} without the {} leg's names", forgotten.side.name());
+            }
         }
     }
 }

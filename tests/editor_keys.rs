@@ -749,3 +749,40 @@ fn the_view_is_reset_in_one_step_that_can_be_undone() {
     e.keys("U");
     assert_eq!(camera(&e), framed);
 }
+
+/// Opens a clip of a spine that glides along.
+fn without_legs() -> Editor {
+    let channels = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation";
+    let mut text = format!("HIERARCHY\nROOT Hips\n{{\nOFFSET 0 0 0\n{channels}\nEnd Site\n{{\nOFFSET 0 60 0\n}}\n}}\n");
+    text += "MOTION\nFrames: 30\nFrame Time: 0.04\n";
+    (0..30).for_each(|frame| text += &format!("{} 90 0 0 0 0\n", 3 * frame));
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("spine.bvh");
+    std::fs::write(&file, text).expect("written");
+    Editor::new(Document::new(document::open(Some(&file)).expect("a clip")), Vec::new())
+}
+
+#[test]
+fn keys_of_feet_say_why_there_is_nothing_to_do() {
+    let said = |e: &Editor| e.view().message.as_ref().expect("a message").text.clone();
+    let no_legs = "no legs found: edited without holding; clip.legs names them";
+    assert_eq!(said(&without_legs()), no_legs, "told when the clip is opened");
+    for keys in ["l", "h", "5", "8", "m", "F"] {
+        let mut e = without_legs();
+        e.keys(keys);
+        assert_eq!(said(&e), format!("{keys} does nothing here; {no_legs}"));
+    }
+    let none = |foot: &str| format!("{{foot='{foot}', first=0, last=9999, mode='none'}}");
+    let plants = document::parse_assignment(&format!("plant=[{}, {}]", none("left"), none("right")));
+    let mut document = Document::new(document::open(None).expect("the built-in clip opens"));
+    let deleted = Change::Set { values: vec![plants.expect("plants")], shape: None };
+    document.apply(&deleted, false).expect("a list of plants");
+    let mut e = Editor::new(document, Vec::new());
+    e.keys("l");
+    assert_eq!(said(&e), "l does nothing here; the left foot has no plants; ma adds one");
+    e.keys("maF");
+    assert!(said(&e).contains("right"), "{}", said(&e));
+    e.keys("m");
+    e.keys("!");
+    assert_eq!(said(&e), "m! does nothing here; ? shows the keys");
+}

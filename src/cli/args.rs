@@ -103,7 +103,7 @@ pub enum Verb {
         /// Prints JSON.
         #[arg(long)]
         json: bool,
-        /// Exits with status 1 when a number is beyond a limit; may be given often.
+        /// Exits with status 1 when a number is beyond a limit or cannot be measured; may be given often.
         #[arg(long, value_name = "NAME=LIMIT")]
         fail: Vec<Limit>,
     },

@@ -1,10 +1,14 @@
 //! `measure --fail NAME=LIMIT`: quality numbers that a script does not accept.
+//!
+//! A number that cannot be measured is not accepted either: a script that asks for feet that stand must hear that none
+//! was looked at.
 
 use std::{fmt, str::FromStr};
 
 use crate::{
+    contact::FootPlants,
     document::Solved,
-    measure::{FootNumbers, Pair},
+    measure::{FootNumbers, Pair, Seam},
 };
 
 /// A bound on one quality number.
@@ -22,12 +26,12 @@ struct Number {
     doc: &'static str,
     /// A value below the bound fails; else one above it.
     at_least: bool,
-    /// Its values, each with what it is of; none for one that cannot be measured.
-    values: fn(&Solved) -> Vec<Value>,
+    /// Its values.
+    values: fn(&Solved) -> Values,
 }
 
-/// What a value is of, and the value.
-type Value = (String, Option<f64>);
+/// What each value is of, and the value, none where that one cannot be measured; or why there is no value at all.
+type Values = Result<Vec<(String, Option<f64>)>, &'static str>;
 
 impl PartialEq for Number {
     fn eq(&self, other: &Self) -> bool {
@@ -70,13 +74,13 @@ static NUMBERS: [Number; 10] = [
         name: "jerk_ratio",
         doc: "mean jerk over the source's",
         at_least: false,
-        values: |s| vec![("the body".to_owned(), s.measures.jerk_ratio)],
+        values: |s| Ok(vec![("the body".to_owned(), s.measures.jerk_ratio)]),
     },
     Number {
         name: "path_error",
         doc: "distance of the carrier from the path, H",
         at_least: false,
-        values: |s| vec![("the carrier".to_owned(), s.measures.path_error)],
+        values: |s| Ok(vec![("the carrier".to_owned(), s.measures.path_error)]),
     },
     Number {
         name: "seam_ratio",
@@ -84,31 +88,35 @@ static NUMBERS: [Number; 10] = [
         at_least: false,
         values: |s| {
             let rest = s.clip.rest_frames();
-            s.measures
-                .seam
-                .iter()
-                .map(|seam| (format!("frame {}", seam.frame + rest), Some(seam.position_share())))
-                .collect()
+            let value = |seam: &Seam| (format!("frame {}", seam.frame + rest), Some(seam.position_share()));
+            some(s.measures.seam.iter().map(value).collect(), "no cycle joins another")
         },
     },
     Number {
         name: "missed",
         doc: "plants that could not be reached",
         at_least: false,
-        values: |s| vec![("the clip".to_owned(), Some(s.holding.as_ref().map_or(0, |h| h.missed.len()) as f64))],
+        values: |s| Ok(vec![("the clip".to_owned(), Some(s.holding.as_ref().map_or(0, |h| h.missed.len()) as f64))]),
     },
     Number {
         name: "strains",
         doc: "stretches that ask too much of a body",
         at_least: false,
-        values: |s| vec![("the clip".to_owned(), Some(s.strains.len() as f64))],
+        values: |s| Ok(vec![("the clip".to_owned(), Some(s.strains.len() as f64))]),
     },
 ];
 
 /// Returns a number of every foot that stands.
-fn feet(solved: &Solved, number: impl Fn(&FootNumbers) -> Option<f64>) -> Vec<Value> {
+fn feet(solved: &Solved, number: impl Fn(&FootNumbers) -> Option<f64>) -> Values {
+    let name = |foot: &FootPlants| solved.clip.skeleton.joint(foot.leg.ankle).name.clone();
     let feet = solved.feet.plants.iter().zip(solved.foot_numbers.iter()).filter(|(_, numbers)| numbers.plants > 0);
-    feet.map(|(foot, numbers)| (solved.clip.skeleton.joint(foot.leg.ankle).name.clone(), number(numbers))).collect()
+    let why_none = if solved.feet.plants.is_empty() { "no legs are known" } else { "no foot stands" };
+    some(feet.map(|(foot, numbers)| (name(foot), number(numbers))).collect(), why_none)
+}
+
+/// Returns the values, or why there are none.
+fn some(values: Vec<(String, Option<f64>)>, why_none: &'static str) -> Values {
+    if values.is_empty() { Err(why_none) } else { Ok(values) }
 }
 
 /// Edited over source; 1 where both are nothing.
@@ -144,21 +152,25 @@ impl Limit {
         for number in &NUMBERS {
             text += &format!("  {:<20} {}\n", number.name, number.doc);
         }
-        text
+        text + "\nA number that cannot be measured is beyond every limit, and the status is 1: those of feet\n\
+                where no foot stands, seam_ratio where no cycle joins another. Without plants missed is 0.\n"
     }
 
     /// Says what of an edit is beyond the limit, one line each. What cannot be measured is beyond every limit.
     pub(super) fn broken_by(&self, solved: &Solved) -> Vec<String> {
         let Number { name, at_least, .. } = self.number;
         let (word, bound) = (if *at_least { "less" } else { "more" }, self.bound);
-        let broken = |(of, value): Value| match value {
+        let broken = |(of, value): (String, Option<f64>)| match value {
             None => Some(format!("{name} of {of} cannot be measured")),
             Some(v) if (*at_least && v < bound) || (!at_least && v > bound) || v.is_nan() => {
                 Some(format!("{name} of {of} is {v:.4}, {word} than {bound}"))
             }
             Some(_) => None,
         };
-        (self.number.values)(solved).into_iter().filter_map(broken).collect()
+        match (self.number.values)(solved) {
+            Ok(values) => values.into_iter().filter_map(broken).collect(),
+            Err(why) => vec![format!("{name} cannot be measured: {why}")],
+        }
     }
 }
 

@@ -120,7 +120,9 @@ impl Detection<'_> {
         found.retain(|run| run.len() >= n_shortest);
         self.keep_standing(&mut found, &joints);
         self.join_pivots(&mut found, &joints);
-        found.into_iter().map(|run| self.trimmed(run, leg, slow_below)).collect()
+        let mut plants: Vec<Plant> = found.into_iter().map(|run| self.trimmed(run, leg, slow_below)).collect();
+        plants.retain(|plant| plant.n_frames() >= n_shortest);
+        plants
     }
 
     /// Finds the stretches over which one joint stands.
@@ -182,9 +184,10 @@ impl Detection<'_> {
     }
 
     /// Takes off a run's ends the few frames that are slow only by the looser bound or over several frames;
-    /// what the clip's own ends cut off stays.
+    /// what the clip's own ends cut off stays. When a foot stops and starts is known to a frame, so what is left is
+    /// given back a frame where that makes it long enough for a plant.
     fn trimmed(&self, run: Range<usize>, leg: &Leg, slow_below: &[f64]) -> Plant {
-        let Range { mut start, mut end } = run;
+        let Range { mut start, mut end } = run.clone();
         let fast = |from: usize| {
             let step = |point| self.tracks.position(point, from).distance(self.tracks.position(point, from + 1));
             step(leg.ankle.idx()).min(step(leg.toe)) >= slow_below[from] * self.frame_time_secs
@@ -195,6 +198,13 @@ impl Detection<'_> {
             }
             if end < slow_below.len() && start + 1 < end && fast(end - 2) {
                 end -= 1;
+            }
+        }
+        if end - start + 1 == self.n_frames_in(SHORTEST_SECS) {
+            if end < run.end {
+                end += 1;
+            } else {
+                start -= 1;
             }
         }
         Plant::new(start, end - 1)
@@ -492,6 +502,25 @@ mod tests {
         for (plants, truth) in walk.plants(&trembling).iter().zip([walk.truth(0), walk.truth(1)]) {
             assert_eq!(plants.len(), truth.len(), "{plants:?} instead of {truth:?}");
         }
+    }
+
+    #[test]
+    fn what_trimming_leaves_lasts_or_is_no_plant() {
+        let fps = 120.0;
+        // Both feet sweep over the floor, slowest at frame 150; speeds in body heights per second.
+        let plants = |slowest: f64, slower_a_frame: f64| {
+            let speed = |frame: usize| slowest + slower_a_frame * (frame as f64 - 150.0).abs();
+            let gone = |frame: usize| HEIGHT / fps * (0..=frame).map(speed).sum::<f64>();
+            let place = |point: usize, frame| match point {
+                0 => HEIGHT * DVec3::Y,
+                _ => DVec3::new(point as f64, 0.0, gone(frame)),
+            };
+            found(&PointTracks::from_fn(5, 300, place), 1.0 / fps, HEIGHT)
+        };
+        // Slow over several frames for 12 of them, from frame to frame for 6, which is 50 ms.
+        assert_eq!(plants(0.1, 0.03), [[], []]);
+        // For 14 and for 8, 67 ms.
+        assert_eq!(plants(0.08, 0.025), [[(146, 153)], [(146, 153)]]);
     }
 
     #[test]

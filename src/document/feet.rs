@@ -14,6 +14,9 @@ use crate::{
     motion::{Clip, ClipOptions, Decided, EditedClip, Leg, PointTracks, Side, legs::find_legs},
 };
 
+/// What is said of a clip without legs.
+pub const NO_LEGS: &str = "no legs found: edited without holding; clip.legs names them";
+
 /// What is found of feet in the source clip, before the user's own plants.
 #[derive(Clone, Debug)]
 pub struct FoundFeet {
@@ -30,6 +33,15 @@ impl FoundFeet {
     fn of(clip: &Clip, asked: &ClipOptions, body: &Body, thresholds: Thresholds) -> Self {
         let mut warnings = Vec::new();
         let legs = find_legs(clip, &asked.legs, &mut warnings);
+        match legs.value[..] {
+            [] => warnings.push(NO_LEGS.to_owned()),
+            // Who names one leg means one.
+            [Leg { side, .. }] if asked.legs.is_empty() => warnings.push(format!(
+                "no leg found beside the {} one: edited without holding the other foot; clip.legs names legs",
+                side.name()
+            )),
+            _ => {}
+        }
         let plants = Detection {
             tracks: body.tracks(),
             carrier: clip.facts.carrier.value.idx(),

@@ -34,7 +34,7 @@ pub use edits::{
     Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OneViewEdits, OriginalEdits, PathEdits, PlantsEdits,
     PoseEdits, ProjectionKind, ResidualEdits, Show, TimingEdits, ViewEdits, WindowEdits,
 };
-pub use feet::{Feet, FoundFeet};
+pub use feet::{Feet, FoundFeet, NO_LEGS};
 pub use files::{EXTENSION, OpenError, Opened, open, write_file};
 pub use footprint::{Footprint, SourcePrint};
 pub use history::History;

@@ -7,7 +7,7 @@
 use super::{Editor, Effect, Message, RowKind, TABS, Tab};
 use crate::{
     contact::{Plant, PlantChange, PlantMode},
-    document::{Change, Solved},
+    document::{Change, NO_LEGS, Solved},
     motion::Side,
 };
 
@@ -60,6 +60,17 @@ pub(super) fn has_feet(editor: &Editor) -> bool {
 
 pub(super) fn has_plant(editor: &Editor) -> bool {
     editor.chosen_plant().is_some()
+}
+
+/// Says why a key of feet does nothing now.
+pub(super) fn why_idle(editor: &Editor) -> String {
+    match (editor.chosen_foot(), editor.chosen_plant()) {
+        (None, _) => NO_LEGS.to_owned(),
+        (Some(foot_idx), None) => {
+            format!("the {} foot has no plants; ma adds one", side(editor.document.solved(), foot_idx).name())
+        }
+        (Some(_), Some(_)) => "only one leg is known; clip.legs names legs".to_owned(),
+    }
 }
 
 /// Chooses the foot on the other side.

@@ -1,6 +1,6 @@
 //! From key presses to commands: whole sequences are matched, unfinished ones wait and show what may follow.
 
-use super::{COMMANDS, Command, Editor, Effect, Message, command::Group};
+use super::{COMMANDS, Command, Editor, Effect, Message, command::Group, feet};
 use crate::key::{Code, Key};
 
 /// One line of the help: keys that work now and what they do.
@@ -41,7 +41,10 @@ pub(super) fn press(editor: &mut Editor, key: Key) -> Effect {
         editor.pending = pending;
     } else if key.code != Code::Esc {
         let text: String = pending.iter().map(ToString::to_string).collect();
-        editor.say(Message::note(format!("{text} does nothing here; ? shows the keys")));
+        let of_feet = COMMANDS.iter().filter(|c| c.group == Group::Feet).flat_map(sequences);
+        let why = of_feet.into_iter().any(|keys| keys.starts_with(&pending)).then(|| feet::why_idle(editor));
+        let why = why.unwrap_or_else(|| "? shows the keys".to_owned());
+        editor.say(Message::note(format!("{text} does nothing here; {why}")));
     }
     Effect::None
 }

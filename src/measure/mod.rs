@@ -24,8 +24,12 @@ use crate::{
     path::{NewPath, OriginalPath, Residuals, Timing},
 };
 
+/// A source of less mean jerk than this, body heights per second cubed, moves too evenly to be compared with. People
+/// who stand still in captured clips have 1.9, who walk 30 and more.
+const LEAST_JERK: f64 = 0.5;
+
 /// A mean third difference below this share of the body height is rounding, not motion.
-const LEAST_JERK: f64 = 1e-9;
+const ROUNDING: f64 = 1e-9;
 
 /// A number of the source and of the edited clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +50,7 @@ pub struct Measures {
     /// Root mean square of what the original path leaves over, body heights, y-up world axes.
     pub residual_rms: DVec3,
     /// Mean norm of the third difference of all joints' world positions, edited over source; none for fewer than four
-    /// frames on either side and for a source without any.
+    /// frames on either side and for a source next to without any (below 0.5 H/s³).
     pub jerk_ratio: Option<f64>,
     /// Largest distance between the edited carrier with its residual removed and the path at the same arc length,
     /// body heights; none while the path is not edited.
@@ -86,8 +90,9 @@ impl Measured<'_> {
         // Without an edit the frames are the source's, and so are the numbers.
         let is_source = self.edited.carrier_world.is_empty() && self.edited.turned.is_empty();
         let sweep = if is_source { source } else { self.sweep };
+        let least_jerk = height * (LEAST_JERK * self.edited.clip.frame_time_secs.powi(3)).max(ROUNDING);
         let jerk_ratio = match (sweep.mean_jerk, source.mean_jerk) {
-            (Some(edited), Some(source)) if source > LEAST_JERK * height => Some(edited / source),
+            (Some(edited), Some(source)) if source > least_jerk => Some(edited / source),
             _ => None,
         };
         Measures {

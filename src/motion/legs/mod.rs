@@ -1,9 +1,10 @@
 //! Which joints are legs: by name where names speak, by shape where they do not.
 //!
 //! Names say that a joint belongs to a leg, and to which one; topology says in what order its parts must hang on each
-//! other; positions tell a hip from the helper joint above it. Where no leg is named, two mirrored chains that end
-//! lowest are the legs, and the side follows from where the feet point. Joints may stand between the ones named here
-//! (twist joints): a [`Leg`] lists where the leg bends.
+//! other; positions tell a hip from the helper joint above it. Where no leg is named, two mirrored chains that hang
+//! from the pelvis and end lowest are the legs, and the side follows from where the feet point; where one is, the chain
+//! that mirrors it is the other. Joints may stand between the ones named here (twist joints): a [`Leg`] lists where the
+//! leg bends.
 
 mod names;
 mod shape;
@@ -117,17 +118,28 @@ pub fn find_legs(clip: &Clip, asked: &[LegNames], warnings: &mut Vec<String>) ->
         }
     }
     let mut legs = names::legs(&clip.skeleton);
-    let mut why = "by the joints' names".to_owned();
-    if legs.is_empty() {
-        legs = shape::legs(clip);
-        why = if legs.is_empty() {
-            "no leg is named, and no two mirrored chains reach from the body to the ground".to_owned()
-        } else {
-            "the two mirrored chains that end lowest; sides by where the feet point".to_owned()
-        };
+    let mut why = "by the joints' names";
+    match legs[..] {
+        [] => {
+            legs = shape::legs(clip);
+            why = if legs.is_empty() {
+                "no leg is named, and no two mirrored chains reach from the pelvis to the ground"
+            } else {
+                "the two mirrored chains that end lowest; sides by where the feet point"
+            };
+        }
+        [named] => {
+            let other = shape::other_side(clip, &named);
+            why = match other {
+                Some(_) => "one by the joints' names, the other is the chain that mirrors it",
+                None => "by the joints' names; no chain mirrors it",
+            };
+            legs.extend(other);
+        }
+        _ => {}
     }
     legs.sort_by_key(|leg| leg.side);
-    Decided { value: legs, why }
+    Decided { value: legs, why: why.to_owned() }
 }
 
 /// Returns the name of a point for people: a joint's name, `NAME end site` for the end site of a joint.
@@ -478,6 +490,73 @@ mod tests {
             "{}",
             found.why
         );
+    }
+
+    /// A trunk with arms that hang, longer below the neck than above it; its joints are named `names`, then `arm`.
+    fn torso(names: [&'static str; 3], arm: [&'static str; 3]) -> Vec<(usize, &'static str, [f64; 3])> {
+        let mut lines = vec![(0, names[0], [0.0; 3]), (1, names[1], [0.0, 2.5, 0.0]), (2, names[2], [0.0, 2.5, 0.1])];
+        for sign in [1.0, -1.0] {
+            lines.extend([
+                (3, arm[0], [1.5 * sign, -0.2, 0.0]),
+                (4, arm[1], [0.1 * sign, -3.0, 0.0]),
+                (5, arm[2], [0.1 * sign, -2.5, 0.0]),
+                (6, "end", [0.0, -0.8, 0.1]),
+            ]);
+        }
+        lines.extend([(3, "top", [0.0, 0.8, 0.0]), (4, "end", [0.0, 1.5, 0.0])]);
+        lines
+    }
+
+    #[test]
+    fn arms_are_no_legs_even_where_legs_are_missing() {
+        let none = |lines: &[(usize, &str, [f64; 3])]| {
+            let found = find_legs(&standing(&skeleton(lines)), &[], &mut Vec::new());
+            assert_eq!(found.value, [], "{lines:?}");
+        };
+        // By where they part.
+        none(&torso(["a", "b", "c"], ["d", "e", "f"]));
+        // By name, though the carrier is beside them.
+        for arm in [["UpperArm", "LowerArm", "Hand"], ["腕", "ひじ", "手首"], ["x", "y", "LHand"]] {
+            none(
+                &torso(["a", "b", "c"], arm)
+                    .split_off(2)
+                    .into_iter()
+                    .map(|(d, n, o)| (d - 2, n, o))
+                    .collect::<Vec<_>>(),
+            );
+        }
+        // Chains of that shape that part at the carrier are legs, in a skeleton that is called an armature too.
+        let legs = torso(["a", "b", "c"], ["Armature_1", "Armature_2", "Armature_3"]).split_off(2);
+        let legs = skeleton(&legs.into_iter().map(|(depth, name, o)| (depth - 2, name, o)).collect::<Vec<_>>());
+        assert_eq!(find_legs(&standing(&legs), &[], &mut Vec::new()).value.len(), 2);
+    }
+
+    #[test]
+    fn a_carrier_on_the_floor_has_the_pelvis_above_it() {
+        let body = body(["a", "b", "c", "d"], ["e", "f", "g", "h"]);
+        let mut joints = vec![Joint { name: "ground".to_owned(), parent: None, offset: DVec3::ZERO, end_site: None }];
+        joints.extend(body.joints().iter().map(|joint| Joint {
+            parent: Some(joint.parent.map_or(JointId(0), |p| JointId(p.0 + 1))),
+            ..joint.clone()
+        }));
+        let clip = standing(&Skeleton::new(joints));
+        assert_eq!(clip.facts.carrier.value, JointId(0));
+        assert_eq!(find_legs(&clip, &[], &mut Vec::new()).value.len(), 2);
+    }
+
+    #[test]
+    fn a_leg_without_a_name_is_the_one_that_mirrors_the_named_leg() {
+        let named = ["LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToeBase"];
+        for (other, has_toe) in [(["x", "y", "z", "t"], true), (["x", "y", "z", ""], false)] {
+            let body = body(named, other);
+            let found = find_legs(&standing(&body), &[], &mut Vec::new());
+            assert_eq!(found.value.iter().map(|leg| leg.side).collect::<Vec<_>>(), [Side::Left, Side::Right]);
+            assert_eq!(leg_names(&body, &found.value[0]), named);
+            let toe = if has_toe { "t" } else { "z end site" };
+            assert_eq!(leg_names(&body, &found.value[1]), ["x", "y", "z", toe]);
+        }
+        let one = find_legs(&standing(&body(named, [""; 4])), &[], &mut Vec::new());
+        assert_eq!((one.value.len(), one.value[0].side), (1, Side::Left), "{}", one.why);
     }
 
     #[test]

@@ -42,6 +42,17 @@ const WORDS: &[(&str, Part)] = &[
     ("leg", Part::Leg),
 ];
 
+/// Words in names of joints that are no part of a leg, though they come in pairs and may hang low.
+const ARM_WORDS: [&str; 13] =
+    ["arm", "hand", "shoulder", "shldr", "elbow", "wrist", "finger", "thumb", "clavicle", "collar", "腕", "手", "肩"];
+
+/// Tells whether a joint has the name of a part of an arm.
+pub(super) fn is_arm(name: &str) -> bool {
+    // Exporters name whole skeletons `Armature`.
+    let text = words(name).concat().replace("armature", "");
+    ARM_WORDS.iter().any(|word| text.contains(word))
+}
+
 /// Tells whether a joint is called a toe.
 pub(super) fn is_toe(name: &str) -> bool {
     part(&words(name).concat()) == Some(Part::Toe)
