@@ -33,12 +33,13 @@ fn clips() -> Option<String> {
 /// Checks what every held edit keeps to, its feet as they are or clean.
 ///
 /// `offset` bounds the carrier's offset in body heights. The bar is 0.06 on walks. Where it is more, a polynomial of a low
-/// degree sways where its clip stands still, and plain path editing with it, further than plants may give way; or the
-/// performer crouches, and plain path editing lifts the feet off a level path instead, and holding does not.
+/// degree sways where its clip stands still, and plain path editing with it, further than plants may give way.
 #[track_caller]
 fn check(what: &str, subject: &Subject, plain: &Plain, offset: f64) {
     for mode in [PlantMode::Hold, PlantMode::Clean] {
-        let n = measure(subject, &plain.held(subject, &subject.with_mode(mode)));
+        let held = plain.held(subject, &subject.with_mode(mode));
+        let n = measure(subject, &held);
+        let gave_way = gave_way(subject, plain, &held);
         let told = format!("{} {what} {mode:?}: {n:?}", subject.name);
         let (speed, slip, jerk) = if mode == PlantMode::Clean { (0.1, 0.1, 1.37) } else { (1.02, 1.05, 1.3) };
         assert_eq!(n.n_missed, 0, "{told}");
@@ -46,8 +47,17 @@ fn check(what: &str, subject: &Subject, plain: &Plain, offset: f64) {
         assert!(n.clearance >= 0.9 && n.bones <= 1e-6, "{told}");
         assert!(n.jerk <= jerk && n.acceleration <= 2.0 && n.end_jump <= 1.35, "{told}");
         assert!(n.knee_back_deg > -0.1 && n.knee_step <= 2.0, "{told}");
-        assert!(n.offset <= offset, "{told}");
+        assert!(gave_way <= offset, "{gave_way} {told}");
     }
+}
+
+/// Returns how far the carrier of a level path is from where plain path editing has it, but for the original path's own
+/// rise and fall, which plain path editing takes off the whole body and holding does not; body heights.
+fn gave_way(subject: &Subject, plain: &Plain, held: &Held) -> f64 {
+    let rise = |f: usize| (plain.original[f].point.y - plain.original[0].point.y) * DVec3::Y;
+    let away = (held.carrier.iter().zip(&plain.carrier).enumerate())
+        .map(|(f, (held, plain))| held.translation.distance(plain.translation + rise(f)));
+    away.fold(0.0, f64::max) / subject.clip.facts.height.value
 }
 
 #[test]
@@ -68,10 +78,10 @@ fn captured_clips_keep_their_feet() {
     const CLIPS: [(&str, f64); 6] = [
         ("walk01", 0.035),
         ("cmu_12_03_walk", 0.045),
-        ("figure8_walk", 0.08),
+        ("figure8_walk", 0.062),
         ("zombie_turns_z_up", 0.06),
-        ("cmu_131_01_start_walk_stop", 0.26),
-        ("cmu_01_01_jumps", 0.055),
+        ("cmu_131_01_start_walk_stop", 0.06),
+        ("cmu_01_01_jumps", 0.06),
     ];
     let Some(dir) = clips() else { return };
     for (name, offset) in CLIPS {
