@@ -80,7 +80,7 @@ fn captured_clips_keep_their_feet() {
         ("cmu_12_03_walk", 0.045),
         ("figure8_walk", 0.062),
         ("zombie_turns_z_up", 0.06),
-        ("cmu_131_01_start_walk_stop", 0.075),
+        ("cmu_131_01_start_walk_stop", 0.09),
         ("cmu_01_01_jumps", 0.06),
     ];
     let Some(dir) = clips() else { return };
