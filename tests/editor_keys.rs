@@ -326,6 +326,21 @@ fn cameras_are_those_of_the_view_in_focus() {
 }
 
 #[test]
+fn following_begins_and_ends_with_the_picture_as_it_is() {
+    let mut e = editor();
+    let camera = |e: &Editor| e.scene().now.views[0].camera;
+    e.keys("....................t");
+    let (seen, frame) = (camera(&e), e.view().frame_idx);
+    e.keys("f");
+    assert!(camera(&e).eye.distance(seen.eye) < 1e-9 && camera(&e).target.distance(seen.target) < 1e-9);
+    e.keys("....................");
+    assert!(camera(&e).eye.distance(seen.eye) > 1.0, "it goes along");
+    let gone = camera(&e);
+    e.keys("f");
+    assert!(e.view().frame_idx > frame && camera(&e).eye.distance(gone.eye) < 1e-9);
+}
+
+#[test]
 fn a_view_hides_and_shows_for_itself() {
     check_views("V4Vnvg", "1 [] | [2 [ground]] | 3 [] | 4 []");
     check_views("V4Vnvgvovg", "1 [] | [2 [original_skeleton]] | 3 [] | 4 []");

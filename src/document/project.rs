@@ -102,7 +102,8 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
     // In table order, so that what one parameter does to another does not depend on the order in the file.
     assignments.sort_by_key(|(_, name, _)| PARAMETERS.iter().position(|p| p.name == name));
     for (at, name, value) in &assignments {
-        let set = parameter(name).and_then(|p| p.set(&mut project.edits, &read_value(text, value)));
+        let read = read_value(text, value).map_err(|(at, message)| fail(at, Problem::Syntax(message)))?;
+        let set = parameter(name).and_then(|p| p.set(&mut project.edits, &read));
         set.map_err(|error| fail(entry_start(value, &error).unwrap_or(*at), error.into()))?;
     }
     let path = &project.edits.path;
@@ -183,16 +184,22 @@ pub(super) fn clip_reference(project: &Path, clip: &Path) -> String {
 }
 
 /// Reads one value out of the text; lists of tables may be spread over it, so only what is in them has its own text.
-fn read_value(text: &str, value: &Spanned<DeValue<'_>>) -> Value {
+/// Fails with the place and in words where a number is none that fits.
+fn read_value(text: &str, value: &Spanned<DeValue<'_>>) -> Result<Value, (usize, String)> {
     match value.get_ref() {
-        DeValue::Array(items) => Value::Array(items.iter().map(|item| read_value(text, item)).collect()),
-        DeValue::Table(table) => Value::Table(
-            table.iter().map(|(key, value)| (key.get_ref().to_string(), read_value(text, value))).collect(),
-        ),
+        DeValue::Array(items) => {
+            items.iter().map(|item| read_value(text, item)).collect::<Result<_, _>>().map(Value::Array)
+        }
+        DeValue::Table(table) => {
+            let entries = table.iter().map(|(key, value)| Ok((key.get_ref().to_string(), read_value(text, value)?)));
+            entries.collect::<Result<_, _>>().map(Value::Table)
+        }
         _ => {
-            let own = format!("value = {}", &text[value.span()]);
-            let table: toml::Table = own.parse().expect("a value's own text is a value");
-            table.into_iter().next().expect("one key").1
+            let own = &text[value.span()];
+            let table: Result<toml::Table, _> = format!("value = {own}").parse();
+            let table =
+                table.map_err(|error| (value.span().start, format!("`{own}`: {}", error.message().trim_end())))?;
+            Ok(table.into_iter().next().expect("one key").1)
         }
     }
 }
@@ -293,6 +300,14 @@ mod tests {
             "p.toml:2:6: a path of degree 3 needs at least 4 control points, found 2",
         );
         check_error("format = 1\n[clip]\nfile = 3\n", "p.toml:3:1: `clip.file` is a text");
+        for (text, place, number) in [
+            ("[path]\npoints = 99999999999999999999\n", "3:10", "99999999999999999999"),
+            ("interpolation_keys = [1, 99999999999999999999]\n", "2:26", "99999999999999999999"),
+            ("[path]\nnudge = 1e999\n", "3:9", "1e999"),
+        ] {
+            let error = parse(&format!("format = 1\n{text}"), "p.toml").expect_err("a number that is none").to_string();
+            assert!(error.starts_with(&format!("p.toml:{place}: `{number}`: ")), "{error}");
+        }
         assert!(parse("format = 1\n[path\n", "p.toml").is_err());
         let two = "format = 1\n[[plant]]\nfoot = \"left\"\nfirst = 3\nlast = 9\n[[plant]]\n";
         check_error(

@@ -231,6 +231,14 @@ pub(super) fn set_camera(editor: &mut Editor, command: &'static str, field: &str
     Effect::None
 }
 
+pub(super) fn toggle_follow(editor: &mut Editor, command: &'static str) -> Effect {
+    camera::toggle_follow(editor, command);
+    let camera_idx = editor.view.camera_idx;
+    let follows = editor.document.edits().view.cameras[camera_idx].follow;
+    editor.say(Message::note(format!("camera.{}.follow {follows}", camera_idx + 1)));
+    Effect::None
+}
+
 pub(super) fn move_camera(editor: &mut Editor, command: &'static str, by: Move) -> Effect {
     camera::change(editor, command, by);
     Effect::None

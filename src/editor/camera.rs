@@ -229,6 +229,22 @@ pub(super) fn change(editor: &mut Editor, command: &'static str, by: Move) {
     put(editor, command, moved);
 }
 
+/// Makes the camera of the view in focus follow the carrier or stand still. A camera that was moved goes on from the
+/// picture as it is; one that was not frames what it is to show.
+pub(super) fn toggle_follow(editor: &mut Editor, command: &'static str) {
+    let edits = editor.document.edits().view.cameras[editor.view.camera_idx];
+    let mut camera = CameraEdits { follow: !edits.follow, ..edits };
+    if edits.eye.is_some() || edits.target.is_some() {
+        let up_axis = editor.document.solved().clip.facts.up.value;
+        let come = follow_offset(&editor.document, editor.view.frame_idx);
+        let by = if camera.follow { -come } else { come };
+        let preset = of(editor);
+        camera.eye = Some(up_axis.to_file(preset.eye + by));
+        camera.target = Some(up_axis.to_file(preset.target + by));
+    }
+    put(editor, command, camera);
+}
+
 /// Sets the camera of the view in focus.
 pub(super) fn put(editor: &mut Editor, command: &'static str, camera: CameraEdits) {
     let prefix = format!("camera.{}", editor.view.camera_idx + 1);

@@ -9,8 +9,8 @@ use super::{
     Asking, Editor, Effect, TABS,
     actions::{
         ask, choose_point, default_row, delete_point, export_name, insert_point, jump, move_camera, move_row, nudge,
-        nudge_name, project_name, save, set_camera, shape, step_frame, step_row, step_value, steps, travel, turn_tab,
-        type_point, type_row, types, why,
+        nudge_name, project_name, save, set_camera, shape, step_frame, step_row, step_value, steps, toggle_follow,
+        travel, turn_tab, type_point, type_row, types, why,
     },
     camera::{self, Move},
     feet, joints, layers, look, loops, map_keys, pose, views,
@@ -418,10 +418,7 @@ pub const COMMANDS: &[Command] = &[
         };
         set_camera(e, c, "projection", Value::String(next.to_owned()))
     }),
-    row(Group::Camera, "follow", &["f"], "Follow the carrier, or stand still.", always, |e, c| {
-        let follow = !e.document.edits().view.cameras[e.view.camera_idx].follow;
-        set_camera(e, c, "follow", Value::Boolean(follow))
-    }),
+    row(Group::Camera, "follow", &["f"], "Follow the carrier, or stand still.", always, toggle_follow),
     row(Group::Camera, "target", &["t"], "Look at the carrier.", always, |e, c| move_camera(e, c, Move::Target)),
     row(Group::Camera, "up", &["au"], "Next up direction of the camera: y, z, x.", always, look::next_up),
     row(

@@ -18,7 +18,7 @@ use crate::{
     skeleton::JointId,
 };
 
-/// A point is under the pointer within this share of the view's height: 14 pixels of 720.
+/// A point is under the pointer within this share of the window's height: 14 pixels of 720.
 const NEAR: f64 = 0.02;
 
 /// Points this near to each other are at one place in the view, and the one before the other is taken.
@@ -135,7 +135,9 @@ impl Editor {
             Some(site) => clip.skeleton.end_sites()[site],
         };
         let drawn = points.iter().enumerate().filter(|&(point, _)| moves[joint_of(point).idx()]);
-        let point = nearest(drawn.map(|(point, &at)| (point, at)), &camera, ray)?;
+        // Of four views each has half the window's height.
+        let near = if scene.now.views.len() > 2 { 2.0 * NEAR } else { NEAR };
+        let point = nearest(drawn.map(|(point, &at)| (point, at)), &camera, ray, near)?;
         Some(Grab {
             joint: joint_of(point),
             point,
@@ -148,9 +150,9 @@ impl Editor {
     }
 }
 
-/// Returns which of these points a ray goes through, nearly: the nearest in the view, of those at one place there the
+/// Returns which of these points a ray goes through, `near` as a share of the view's height: the nearest in the view, of those at one place there the
 /// one nearest to the eye, of those at one place in the world the last.
-fn nearest(points: impl Iterator<Item = (usize, DVec3)>, camera: &Camera, ray: &Ray) -> Option<usize> {
+fn nearest(points: impl Iterator<Item = (usize, DVec3)>, camera: &Camera, ray: &Ray, near: f64) -> Option<usize> {
     let mut found: Option<(f64, f64, usize)> = None;
     for (point, at) in points {
         let way = at - ray.origin;
@@ -159,7 +161,7 @@ fn nearest(points: impl Iterator<Item = (usize, DVec3)>, camera: &Camera, ray: &
         // Where sight is parallel the eye is no place: what is behind it is seen too.
         let is_seen = depth > 0.0 || matches!(camera.projection, Projection::Orthographic { .. });
         let place = (off / SAME).floor();
-        if is_seen && off <= NEAR && found.is_none_or(|(p, d, _)| place < p || (place == p && depth <= d)) {
+        if is_seen && off <= near && found.is_none_or(|(p, d, _)| place < p || (place == p && depth <= d)) {
             found = Some((place, depth, point));
         }
     }
@@ -210,7 +212,7 @@ mod tests {
     }
 
     fn found(points: &[DVec3], camera: &Camera, to: DVec3) -> Option<usize> {
-        nearest(points.iter().copied().enumerate(), camera, &ray(camera, to))
+        nearest(points.iter().copied().enumerate(), camera, &ray(camera, to), NEAR)
     }
 
     #[test]
