@@ -176,6 +176,120 @@ fn a_foot_goes_where_it_is_wanted_also_while_it_stands() {
     }
 }
 
+/// Turns of a hand or a foot, one after the other: every selected joint from it to the root may turn.
+struct Puppet {
+    document: Document,
+    frame: usize,
+    point: JointId,
+    chain: Vec<JointId>,
+}
+
+impl Puppet {
+    fn new(frame: usize, point: &str) -> Self {
+        let document = opened(&[], Some("circle"));
+        let solved = document.solved();
+        assert!(solved.holding.is_some(), "feet are held");
+        let (skeleton, point) = (&solved.clip.skeleton, joint(solved, point));
+        let chain = skeleton.ids().filter(|&id| id != point && skeleton.is_within(point, id)).collect();
+        Self { document, frame, point, chain }
+    }
+
+    fn height(&self) -> f64 {
+        self.document.solved().clip.facts.height.value
+    }
+
+    /// Where the top of the chain and the point are.
+    fn ends(&self) -> [DVec3; 2] {
+        let world = world(self.document.solved(), self.frame);
+        [self.chain[0], self.point].map(|id| world[id.idx()].translation)
+    }
+
+    /// The length of the chain when it is straight.
+    fn length(&self) -> f64 {
+        let skeleton = &self.document.solved().clip.skeleton;
+        let below = self.chain[1..].iter().chain([&self.point]);
+        below.map(|&id| skeleton.joint(id).offset.length()).sum()
+    }
+
+    /// Moves the point and returns how far it is from the nearest place it can have, in body heights.
+    #[track_caller]
+    fn reach(&mut self, to: DVec3) -> f64 {
+        let before = Arc::clone(self.document.solved());
+        apply(&mut self.document, reach(self.frame, self.point, self.chain.clone(), to));
+        let after = self.document.solved();
+        // Legs turn as their feet are held; what a map does to all others is nothing.
+        let held: Vec<JointId> = after.posed.prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]).collect();
+        for id in after.clip.skeleton.ids().filter(|id| !self.chain.contains(id) && !held.contains(id)) {
+            assert_eq!(before.edited.rotation(self.frame, id), after.edited.rotation(self.frame, id));
+        }
+        let keyed: Vec<_> = after.edits.layers[0].rotation.keys().collect();
+        assert!(keyed.iter().all(|name| self.chain.contains(&joint(after, name))), "{keyed:?}");
+        let [top, at] = self.ends();
+        let nearest = if top.distance(to) > self.length() { top + (to - top).normalize() * self.length() } else { to };
+        at.distance(nearest) / self.height()
+    }
+}
+
+/// Numbers from -1 to 1 that look random.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+#[test]
+fn a_hand_goes_from_target_to_target_with_the_whole_body_and_feet_held() {
+    for (seed, frame) in [(1, 30), (2, 150), (3, 300)] {
+        let mut hand = Puppet::new(frame, "LeftWrist");
+        let mut noise = noise(seed);
+        let mut targets = Vec::new();
+        while targets.len() < 6 {
+            let way = DVec3::from_array(std::array::from_fn(|_| noise()));
+            if (0.3..0.85).contains(&way.length()) {
+                targets.push(hand.ends()[0] + way * hand.length());
+            }
+        }
+        for (n, to) in targets.into_iter().enumerate() {
+            let off = hand.reach(to);
+            println!("frame {frame}, target {n}: {off:e} body heights off");
+            assert!(off < 1e-4, "frame {frame}, target {n}: {off} body heights off");
+        }
+    }
+}
+
+#[test]
+fn a_hand_that_cannot_get_there_ends_at_the_nearest_point() {
+    for frame in [10, 150, 300] {
+        for to in [DVec3::Y * 5e3, DVec3::X * 5e3, DVec3::new(1.0, -0.3, 1.0) * 1e3] {
+            let mut hand = Puppet::new(frame, "LeftWrist");
+            for again in 0..3 {
+                let off = hand.reach(to);
+                println!("frame {frame}, {to}, try {again}: {off:e} body heights off");
+                assert!(off < 1e-4, "frame {frame}, {to}, try {again}: {off} body heights off");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_ankle_goes_from_target_to_target_in_a_plant_and_in_swing() {
+    let plant = opened(&[], Some("circle")).solved().feet.plants[0].plants[3];
+    for (seed, frame) in [(4, (plant.first + plant.last) / 2), (5, plant.last + 8)] {
+        let mut foot = Puppet::new(frame, "LeftAnkle");
+        let start = foot.ends()[1];
+        let mut noise = noise(seed);
+        for n in 0..6 {
+            // What a standing leg can do: a little to each side, and up.
+            let by = DVec3::new(noise(), 0.5 + 0.5 * noise(), noise()) * 0.05 * foot.height();
+            let off = foot.reach(start + by);
+            println!("frame {frame}, target {n}: {off:e} body heights off");
+            assert!(off < 1e-4, "frame {frame}, target {n}: {off} body heights off");
+        }
+    }
+}
+
 #[test]
 fn the_carrier_moves_in_the_world_and_with_its_path() {
     for (sets, shape) in [(&["path.edited=false"][..], None), (&["plants.hold=false"], Some("circle"))] {
