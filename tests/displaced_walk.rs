@@ -291,6 +291,24 @@ fn an_ankle_goes_from_target_to_target_in_a_plant_and_in_swing() {
 }
 
 #[test]
+fn an_ankle_that_cannot_get_there_is_stretched_as_far_as_it_is_held_and_rests() {
+    let plant = opened(&[], Some("circle")).solved().feet.plants[0].plants[3];
+    for frame in [(plant.first + plant.last) / 2, plant.last + 8] {
+        for to in [DVec3::Y * 5e3, DVec3::X * 5e3, DVec3::new(1.0, -0.3, 1.0) * 1e3] {
+            let mut foot = Puppet::new(frame, "LeftAnkle");
+            // Holding moves the carrier and keeps knees from full extension.
+            let off = foot.reach(to);
+            assert!(off < 0.12, "frame {frame}, {to}: {off} body heights off");
+            let before = foot.ends()[1];
+            foot.reach(to);
+            let gain = (before.distance(to) - foot.ends()[1].distance(to)) / foot.height();
+            println!("frame {frame}, {to}: {off:e} body heights off, {gain:e} nearer when asked again");
+            assert!(gain.abs() < 1e-3, "frame {frame}, {to}: {gain} body heights nearer");
+        }
+    }
+}
+
+#[test]
 fn the_carrier_moves_in_the_world_and_with_its_path() {
     for (sets, shape) in [(&["path.edited=false"][..], None), (&["plants.hold=false"], Some("circle"))] {
         let mut document = opened(sets, shape);
@@ -527,6 +545,28 @@ fn what_cannot_be_done_is_said() {
         assert!(error.contains(words), "{error}");
         assert_eq!(**document.edits(), *edits);
     }
-    set(&mut document, &["layer=[{name = \"a\", rotation = {Nobody = [{frame = 3, value = [1, 0, 0, 0]}]}}]"], None);
+    for (setting, words) in [
+        ("interpolation_keys=[100, 100000]", "interpolation_keys: 100000 is beyond the clip's end"),
+        (
+            "layer=[{name = \"far\", position = [{frame = 100000, value = [0, 1, 0]}]}]",
+            "layer far: keys from file frame 100000",
+        ),
+        (
+            "layer=[{name = \"far\", rotation = {Chest = [{frame = 99999, value = [1, 0, 0, 0]}]}}]",
+            "from file frame 99999",
+        ),
+    ] {
+        set(&mut document, &[setting], None);
+        let warnings = &document.solved().warnings;
+        assert!(warnings.iter().any(|w| w.contains(words)), "{warnings:?}");
+    }
+    let nameless = parse_assignment("layer=[{name = \" \"}]").expect("an assignment");
+    let refused = document.apply(&Change::Set { values: vec![nameless], shape: None }, false).expect_err("no name");
+    assert!(refused.to_string().contains("a layer needs a name"), "{refused}");
+    set(
+        &mut document,
+        &["interpolation_keys=[]", "layer=[{name = \"a\", rotation = {Nobody = [{frame = 3, value = [1, 0, 0, 0]}]}}]"],
+        None,
+    );
     assert!(document.solved().warnings.iter().any(|w| w.contains("there is no joint Nobody")));
 }

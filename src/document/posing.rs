@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Edits, LayerRefusal, Solved, layers::editable, solve};
+use super::{Edits, LayerRefusal, Solved, layers::editable, solve, solve::draft};
 use crate::{
     displace::{
         Stack, can_turn,
@@ -171,24 +171,25 @@ impl Wish<'_> {
     fn reach_beside(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
         let near = THERE * self.solved.clip.facts.height.value;
         let free: Vec<JointId> = self.chain.iter().copied().filter(|&joint| self.is_free(joint)).collect();
-        let mut turns = self.turns(&self.chain, &pose(self.solved, self.frame_idx), to);
+        let turns = self.turns(&self.chain, &pose(self.solved, self.frame_idx), to);
         key_turns(self.solved, edits, self.layer_idx, self.frame_idx, &turns)?;
-        let mut made = solve(&self.solved.source, &Arc::new(edits.clone()), Some(self.solved));
-        for n in 1..=BODY_CORRECTIONS {
+        let mut made = draft(&Arc::new(edits.clone()), self.solved);
+        for _ in 0..BODY_CORRECTIONS {
             let world = pose(&made, self.frame_idx);
-            turns = self.turns(&self.chain, &world, to);
+            let turns = self.turns(&self.chain, &world, to);
             let nearest = self.after(&world, &turns);
             if self.at(&world).distance(nearest) < near {
                 break;
             }
             let free_turns = self.turns(&free, &world, to);
-            if n == BODY_CORRECTIONS || self.after(&world, &free_turns).distance(nearest) < near {
-                turns = free_turns;
+            if self.after(&world, &free_turns).distance(nearest) < near {
+                key_turns(&made, edits, self.layer_idx, self.frame_idx, &free_turns)?;
+                break;
             }
             key_turns(&made, edits, self.layer_idx, self.frame_idx, &turns)?;
-            made = solve(&made.source, &Arc::new(edits.clone()), Some(&made));
+            made = draft(&Arc::new(edits.clone()), &made);
         }
-        Ok(made)
+        Ok(solve(&made.source, &Arc::new(edits.clone()), Some(&made)))
     }
 
     /// Returns where the point is in a pose.
@@ -197,50 +198,42 @@ impl Wish<'_> {
     }
 
     /// Moves the point of a leg that is held; returns what follows.
+    ///
+    /// What is missing after a try is tried again from there.
     fn reach_held(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
-        let (solved, clip) = (self.solved, &*self.solved.clip);
-        let seen = pose(solved, self.frame_idx);
-        // Out of reach it is the nearest place that is wanted.
-        let wanted = self.after(&seen, &self.turns(&self.chain, &seen, to));
-        let mut source = Vec::new();
-        solved.posed.legs.world_rigids(self.walk_frame(), &mut source);
+        let skeleton = &self.solved.clip.skeleton;
         // Holding moves a foot as one rigid body.
-        let end = match self.point.checked_sub(clip.skeleton.n_joints()) {
+        let end = match self.point.checked_sub(skeleton.n_joints()) {
             None => self.point,
-            Some(site) => clip.skeleton.end_sites()[site].idx(),
+            Some(site) => skeleton.end_sites()[site].idx(),
         };
-        let back = source[end] * seen[end].inverse();
-        let untouched = edits.clone();
-        let near = THERE * clip.facts.height.value;
-        let (mut target, mut best) = (wanted, None::<(f64, Edits, Solved)>);
+        let near = THERE * self.solved.clip.facts.height.value;
+        let (mut least, mut best) = (f64::INFINITY, None::<Solved>);
         for _ in 0..=CORRECTIONS {
-            edits.clone_from(&untouched);
-            let turns = self.turns(&self.chain, &source, back.point(target));
-            if let Err(refusal) = key_turns(solved, edits, self.layer_idx, self.frame_idx, &turns) {
-                if best.is_none() {
-                    return Err(refusal);
-                }
+            let now = best.as_ref().unwrap_or(self.solved);
+            let seen = pose(now, self.frame_idx);
+            let mut source = Vec::new();
+            now.posed.legs.world_rigids(now.walk.source_frame(self.frame_idx), &mut source);
+            let back = source[end] * seen[end].inverse();
+            let turns = self.turns(&self.chain, &source, back.point(to));
+            let mut tried = (*now.edits).clone();
+            if best.is_none() {
+                tried.clone_from(edits);
+            }
+            key_turns(now, &mut tried, self.layer_idx, self.frame_idx, &turns)?;
+            let made = draft(&Arc::new(tried), now);
+            let off = self.at(&pose(&made, self.frame_idx)).distance(to);
+            if off >= least {
                 break;
             }
-            let made = solve(&solved.source, &Arc::new(edits.clone()), Some(solved));
-            let off = self.at(&pose(&made, self.frame_idx)) - wanted;
-            let is_better = best.as_ref().is_none_or(|(least, ..)| off.length() < *least);
-            if is_better {
-                best = Some((off.length(), edits.clone(), made));
-            }
-            if !is_better || off.length() < near {
+            (least, best) = (off, Some(made));
+            if off < near {
                 break;
             }
-            target -= off;
         }
-        let (_, keyed, made) = best.expect("the first try is the best so far");
-        *edits = keyed;
-        Ok(made)
-    }
-
-    /// Returns the frame of what walks that the edited frame shows.
-    fn walk_frame(&self) -> usize {
-        self.solved.walk.source_frame(self.frame_idx)
+        let made = best.expect("the first try is the best so far");
+        edits.clone_from(&made.edits);
+        Ok(solve(&made.source, &made.edits, Some(&made)))
     }
 }
 
