@@ -186,7 +186,10 @@ struct Puppet {
 
 impl Puppet {
     fn new(frame: usize, point: &str) -> Self {
-        let document = opened(&[], Some("circle"));
+        Self::of(opened(&[], Some("circle")), frame, point)
+    }
+
+    fn of(document: Document, frame: usize, point: &str) -> Self {
         let solved = document.solved();
         assert!(solved.holding.is_some(), "feet are held");
         let (skeleton, point) = (&solved.clip.skeleton, joint(solved, point));
@@ -257,6 +260,27 @@ fn a_hand_goes_from_target_to_target_with_the_whole_body_and_feet_held() {
             assert!(off < 1e-4, "frame {frame}, target {n}: {off} body heights off");
         }
     }
+}
+
+/// On this clip the third target was once 20 cm off: joints were moved in a pose without the keys of the first two.
+#[test]
+fn a_captured_hand_goes_from_target_to_target_and_to_the_nearest_point() {
+    let Some(clips) = std::env::var_os("WALKABOUT_CLIPS") else {
+        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS is not set");
+        eprintln!("SKIPPED: WALKABOUT_CLIPS is not set, no captured hand was moved");
+        return;
+    };
+    let file = std::path::PathBuf::from(clips).join("real/walk01.bvh");
+    let hand = |frame| Puppet::of(Document::new(open(Some(&file)).expect("a clip")), frame, "LeftHand");
+    let mut near = hand(30);
+    for to in [[40.0, 130.0, 140.0], [0.0, 160.0, 150.0], [-30.0, 120.0, 130.0], [60.0, 100.0, 100.0]] {
+        let off = near.reach(DVec3::from_array(to));
+        println!("{to:?}: {off:e} body heights off");
+        assert!(off < 1e-4, "{to:?}: {off} body heights off");
+    }
+    let off = hand(10).reach(DVec3::Y * 5e3);
+    println!("out of reach: {off:e} body heights off the nearest point");
+    assert!(off < 1e-4, "{off} body heights off the nearest point");
 }
 
 #[test]
