@@ -6,6 +6,7 @@ use walkabout::{
     displace::Interpolation,
     document::{Document, open},
     editor::{Editor, RowKind, TABS, Tab},
+    tui::text,
 };
 
 /// The built-in clip with two layers: `low` bends the chest, `high` nods.
@@ -84,6 +85,73 @@ fn a_layer_is_weighed_switched_and_interpolated_otherwise_at_once() {
     e.keys("BbBpBr");
     assert!(e.document().edits().layers[1].rotation.is_empty());
     assert_eq!(e.document().edits().layers[0].rotation.len(), 1, "only the layer in use is cleared");
+}
+
+#[test]
+fn a_merged_layer_keeps_what_it_does() {
+    let mut e = editor();
+    go_to(&mut e, Tab::Layers);
+    e.keys("Bm");
+    let merged = Arc::clone(e.document().edits());
+    assert!(merged.layers[0].merged && !merged.layers[1].merged);
+    let above = "layer `low` is merged into the motion; edit a layer above it";
+    for keys in ["Bo", "B-", "B+", "-", "]", "<backspace>", "Bi", "Bp", "Br", "Bm"] {
+        e.keys(keys);
+        assert_eq!((message(&e), &**e.document().edits()), (above, &*merged), "{keys}");
+    }
+    go_to(&mut e, Tab::Joints);
+    e.keys("gcgc");
+    for keys in ["d", "i", "x"] {
+        e.keys(keys);
+        assert_eq!((message(&e), &**e.document().edits()), (above, &*merged), "{keys}");
+    }
+    // Nothing lies above: a new layer does.
+    e.keys("BbBmBo");
+    let new = "layer `high` is merged into the motion; edits need a new layer above it: Bn makes one";
+    assert_eq!(message(&e), new);
+    e.keys("x");
+    assert_eq!(message(&e), new);
+    // Its name, its place among merged ones and whether it is there at all are the user's.
+    let shown = e.document().solved().to_bvh();
+    e.keys("B<enter><c-u>");
+    e.paste("nod");
+    e.keys("<enter>");
+    assert_eq!(names(&e), ["low", "nod"]);
+    assert!(e.document().solved().to_bvh() == shown);
+    e.keys("Bj");
+    assert_eq!(names(&e), ["nod", "low"]);
+    e.keys("Bd");
+    assert_eq!(names(&e), ["low"]);
+    e.keys("uuuu");
+    assert_eq!(e.document().edits().layers, merged.layers);
+}
+
+#[test]
+fn rows_of_layers_say_what_they_are_in_the_room_there_is() {
+    let mut e = editor();
+    go_to(&mut e, Tab::Layers);
+    e.keys(":");
+    e.paste(
+        "layer=[{name='a', merged=true, on=false, weight=0.5, position=[{frame=20,value=[0,2,0]}]}, \
+         {name='b', merged=true}, {name='c'}]",
+    );
+    e.keys("<enter>");
+    let rows = e.rows();
+    let layers: Vec<_> = rows.iter().filter(|row| matches!(row.kind, RowKind::Layer { .. })).collect();
+    let shown: Vec<_> = layers.iter().map(|row| (row.label.as_str(), row.value.as_str())).collect();
+    assert_eq!(
+        shown,
+        [
+            ("● c", "on 1.00 quaternion, 0 keys"),
+            ("■ b", "merged 1.00 quaternion, 0 keys"),
+            ("□ a", "off, merged 0.50 quaternion, 1 key")
+        ]
+    );
+    for row in layers {
+        assert!(text::wrap(&row.help, 47).len() <= 3, "{:?}", text::wrap(&row.help, 47));
+    }
+    e.keys("BbBb");
+    assert!(message(&e).contains(", 1 key, merged") || message(&e).contains(", 0 keys"), "{}", message(&e));
 }
 
 #[test]

@@ -32,6 +32,14 @@ impl InterpolationKeys {
         }
     }
 
+    /// Says what of the keys a clip does not have.
+    pub fn warning(self, clip: &Clip) -> Option<String> {
+        let end = clip.n_file_frames() - 1;
+        let used = if self.first < end { "the end is used" } else { "nothing lies between them" };
+        (self.last > end)
+            .then(|| format!("interpolation_keys: {} is beyond the clip's end at {end}; {used}", self.last))
+    }
+
     /// Returns both frames as the clip counts them, brought into the clip; none when they are out of order or one.
     fn ends(self, clip: &Clip) -> Option<[usize; 2]> {
         let within = |frame: usize| frame.saturating_sub(clip.rest_frames()).min(clip.n_frames() - 1);
@@ -161,6 +169,16 @@ mod tests {
         // Four radians one way are 2.28 the other.
         let back = DQuat::from_rotation_y(2.0 - (std::f64::consts::TAU - 4.0) / 2.0);
         assert!(off(motions[40].rotation, back) < 1e-12);
+    }
+
+    #[test]
+    fn keys_beyond_the_end_are_told() {
+        let clip = Sample::default().clip();
+        let end = clip.n_file_frames() - 1;
+        let warning = |first, last| InterpolationKeys { first, last }.warning(&clip);
+        assert_eq!((warning(3, end), warning(end, end)), (None, None));
+        assert!(warning(3, end + 1).is_some_and(|w| w.contains(&format!("{} is beyond", end + 1))));
+        assert!(warning(end, end + 5).is_some_and(|w| w.ends_with("nothing lies between them")));
     }
 
     #[test]

@@ -39,6 +39,7 @@ impl Interpolation {
 #[serde(deny_unknown_fields)]
 pub struct Layer {
     /// Name to show.
+    #[serde(deserialize_with = "read_name")]
     pub name: String,
     /// Whether it has any effect.
     #[serde(default = "default_on")]
@@ -68,6 +69,11 @@ fn default_weight() -> f64 {
     1.0
 }
 
+fn read_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    if name.trim().is_empty() { Err(D::Error::custom("a layer needs a name")) } else { Ok(name) }
+}
+
 fn read_weight<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     let weight = f64::deserialize(deserializer)?;
     if (0.0..=1.0).contains(&weight) {
@@ -93,6 +99,12 @@ impl Layer {
     /// Returns the share of it that takes effect: 0 while it is off.
     pub fn effect(&self) -> f64 {
         if self.on { self.weight.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// Returns the file frames of all its keys, map by map.
+    pub fn frames(&self) -> impl Iterator<Item = usize> + '_ {
+        let of_rotations = self.rotation.values().flat_map(|keys| keys.iter().map(|key| key.frame));
+        self.position.iter().map(|key| key.frame).chain(of_rotations)
     }
 
     /// Sets a rotation key; of the two quaternions of the rotation the one with w ≥ 0 is kept.

@@ -58,6 +58,12 @@ impl Displaced {
         self.carrier_turns == other.carrier_turns && self.offsets == other.offsets
     }
 
+    /// Tells whether some joints turn as they do in another.
+    pub fn turns_as(&self, other: &Self, is_meant: impl Fn(JointId) -> bool) -> bool {
+        let meant = |turned: &&TurnedJoint| is_meant(turned.joint);
+        self.turned.iter().filter(meant).eq(other.turned.iter().filter(meant))
+    }
+
     /// Returns where the carrier is at a frame of the clip.
     ///
     /// `carried` is where it would be without layers, `path_frame` the orientation of the path frame there: of the
@@ -131,7 +137,11 @@ impl<'a> Stack<'a> {
     /// Says what in the layers means nothing for this clip, one line each.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
+        let end = self.clip.n_file_frames() - 1;
         for layer in self.layers {
+            if let Some(frame) = layer.frames().filter(|&frame| frame > end).min() {
+                warnings.push(format!("layer {}: keys from file frame {frame} on, the clip ends at {end}", layer.name));
+            }
             for name in layer.rotation.keys() {
                 let problem = match find_joint(&self.clip.skeleton, name) {
                     None => format!("there is no joint {name}"),

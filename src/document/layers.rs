@@ -103,9 +103,12 @@ pub enum LayerRefusal {
     /// The list has no such layer.
     #[error("there is no such layer")]
     NoLayer,
-    /// The layer is part of the motion.
+    /// The layer is part of the motion; others lie above it.
     #[error("layer `{0}` is merged into the motion; edit a layer above it")]
     Merged(String),
+    /// The layer is part of the motion, and so are all others.
+    #[error("layer `{0}` is merged into the motion; edits need a new layer above it")]
+    AllMerged(String),
     /// The layer is off and cannot be merged or show an edit.
     #[error("layer `{0}` is off; switch it on first")]
     Off(String),
@@ -139,7 +142,7 @@ pub enum LayerRefusal {
     CarrierStays,
 }
 
-/// Changes the list of layers.
+/// Changes the list of layers. A merged layer keeps what it does: it gets another name or place, or goes as a whole.
 ///
 /// # Errors
 ///
@@ -156,10 +159,10 @@ pub(super) fn change(edits: &mut Edits, change: &LayerChange) -> Result<(), Laye
             layers.remove(*layer_idx);
         }
         LayerChange::Rename { layer_idx, name } => at(layers, *layer_idx)?.name.clone_from(name),
-        LayerChange::Switch { layer_idx, on } => at(layers, *layer_idx)?.on = *on,
-        LayerChange::Weigh { layer_idx, weight } => at(layers, *layer_idx)?.weight = weight.clamp(0.0, 1.0),
+        LayerChange::Switch { layer_idx, on } => unmerged(layers, *layer_idx)?.on = *on,
+        LayerChange::Weigh { layer_idx, weight } => unmerged(layers, *layer_idx)?.weight = weight.clamp(0.0, 1.0),
         LayerChange::Interpolate { layer_idx, interpolation } => {
-            at(layers, *layer_idx)?.interpolation = *interpolation;
+            unmerged(layers, *layer_idx)?.interpolation = *interpolation;
         }
         LayerChange::Move { layer_idx, up } => {
             let merged = at(layers, *layer_idx)?.merged;
@@ -168,13 +171,13 @@ pub(super) fn change(edits: &mut Edits, change: &LayerChange) -> Result<(), Laye
             layers.swap(*layer_idx, other.ok_or(LayerRefusal::NoRoom)?);
         }
         LayerChange::Merge { layer_idx } => {
-            let name = at(layers, *layer_idx)?.name.clone();
+            let name = unmerged(layers, *layer_idx)?.name.clone();
             if !merge(layers, *layer_idx) {
                 return Err(LayerRefusal::Off(name));
             }
         }
-        LayerChange::ClearPosition { layer_idx } => at(layers, *layer_idx)?.clear_position(),
-        LayerChange::ClearRotations { layer_idx } => at(layers, *layer_idx)?.clear_rotations(),
+        LayerChange::ClearPosition { layer_idx } => unmerged(layers, *layer_idx)?.clear_position(),
+        LayerChange::ClearRotations { layer_idx } => unmerged(layers, *layer_idx)?.clear_rotations(),
     }
     Ok(())
 }
@@ -259,8 +262,18 @@ pub(super) fn editable(edits: &mut Edits, layer_idx: usize) -> Result<&mut Layer
     if edits.layers.is_empty() && layer_idx == 0 {
         edits.layers.push(Layer::new(free_name(&[])));
     }
-    let layer = at(&mut edits.layers, layer_idx)?;
-    if layer.merged { Err(LayerRefusal::Merged(layer.name.clone())) } else { Ok(layer) }
+    unmerged(&mut edits.layers, layer_idx)
+}
+
+/// Returns a layer that is not part of the motion.
+fn unmerged(layers: &mut [Layer], layer_idx: usize) -> Result<&mut Layer, LayerRefusal> {
+    let all_merged = layers.iter().all(|layer| layer.merged);
+    let layer = at(layers, layer_idx)?;
+    match (layer.merged, all_merged) {
+        (false, _) => Ok(layer),
+        (true, false) => Err(LayerRefusal::Merged(layer.name.clone())),
+        (true, true) => Err(LayerRefusal::AllMerged(layer.name.clone())),
+    }
 }
 
 fn at(layers: &mut [Layer], layer_idx: usize) -> Result<&mut Layer, LayerRefusal> {

@@ -65,7 +65,7 @@ pub struct Posed {
     pub prepared: Arc<Prepared>,
     /// The joints that holding and layers turn, ready to be measured.
     pub turning: Arc<Turning>,
-    /// What in the layers means nothing for this clip, one line each.
+    /// What in the layers and interpolation keys means nothing for this clip, one line each.
     pub warnings: Vec<String>,
 }
 
@@ -120,9 +120,11 @@ impl Posed {
             || displaced.turned.iter().any(|turned| is_leg(turned.joint));
         let same_on_path = same_walk.filter(|p| p.posed.bears == bears).filter(|p| {
             !bears
-                || (Arc::ptr_eq(&p.posed.of_clip, &of_clip)
+                || (Arc::ptr_eq(&p.posed.base, &base)
                     && Arc::ptr_eq(&p.posed.residuals, &residuals)
-                    && Arc::ptr_eq(&p.original, loaded.original))
+                    && Arc::ptr_eq(&p.original, loaded.original)
+                    && p.posed.displaced.moves_as(&displaced)
+                    && p.posed.displaced.turns_as(&displaced, is_leg))
         });
         let legs = reuse(
             same_on_path,
@@ -158,7 +160,8 @@ impl Posed {
             |p| &p.posed.turning,
             || Turning::of(&walked.clip, &walked.body, joints.iter().copied()),
         );
-        let warnings = if edits.layers.is_empty() { Vec::new() } else { stack.warnings() };
+        let mut warnings = stack.warnings();
+        warnings.extend(edits.interpolation_keys.and_then(|keys| keys.warning(loaded.clip)));
         Self { base, of_clip, displaced, residuals, bears, legs, prepared, turning, warnings }
     }
 

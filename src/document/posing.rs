@@ -1,14 +1,14 @@
 //! Editing a pose: what is wanted of it at one frame becomes keys of a layer.
 //!
-//! Joints are moved in the pose that is seen. What a leg's joints do is seen only after its foot has been held, so a leg is
-//! moved where holding takes it from, on the original path, towards the place that holding takes to the target; what is
-//! still missing after that solve is corrected.
+//! Joints are moved in the pose that is seen. Where legs that are held hang on them, holding has the last word, and what
+//! it does is corrected after a solve. What a held leg's own joints do is seen only after its foot has been held, so a
+//! leg is moved where holding takes it from, on the original path, towards the place that holding takes to the target.
 
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Edits, LayerRefusal, Solved, layers::editable, solve};
+use super::{Edits, LayerRefusal, Solved, layers::editable, solve, solve::draft};
 use crate::{
     displace::{
         Stack, can_turn,
@@ -16,6 +16,7 @@ use crate::{
         joint_name,
     },
     math::Rigid,
+    motion::Leg,
     skeleton::JointId,
 };
 
@@ -23,6 +24,8 @@ use crate::{
 const THERE: f64 = 5e-5;
 /// Corrections of a foot that is held, at most.
 const CORRECTIONS: usize = 4;
+/// Corrections of what holding the feet does to a hand, at most: two do for all but a body that turns over.
+const BODY_CORRECTIONS: usize = 8;
 
 /// What is wanted of a pose. World positions and axes are y-up, in the clip's unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,10 +76,14 @@ pub(super) fn change(
                 return Err(LayerRefusal::NothingSelected);
             }
             let wish = Wish { solved, layer_idx, frame_idx, point: *point, chain };
-            if wish.is_held() {
-                return wish.reach_held(edits, *to).map(Some);
+            match wish.holding() {
+                Holding::None => {
+                    let turns = wish.turns(&wish.chain, &pose(solved, frame_idx), *to);
+                    key_turns(solved, edits, layer_idx, frame_idx, &turns)?;
+                }
+                Holding::Beside => return wish.reach_beside(edits, *to).map(Some),
+                Holding::OfPoint => return wish.reach_held(edits, *to).map(Some),
             }
-            key_turns(solved, edits, layer_idx, frame_idx, &wish.turns(&pose(solved, frame_idx), *to))?;
         }
         PoseChange::Turn { joint, axis, angle_rad } => {
             let clip = &*solved.clip;
@@ -108,20 +115,81 @@ struct Wish<'a> {
     chain: Vec<JointId>,
 }
 
+/// What holding feet has to do with the joints that turn.
+enum Holding {
+    /// Nothing.
+    None,
+    /// Legs that are held hang on some of them, and the point on none of those legs.
+    Beside,
+    /// The point hangs on a leg that is held.
+    OfPoint,
+}
+
 impl Wish<'_> {
-    /// Tells whether the joints that turn are those of a leg that is held.
-    fn is_held(&self) -> bool {
+    fn holding(&self) -> Holding {
         let skeleton = &self.solved.clip.skeleton;
-        let bears = |ankle: JointId| self.chain.iter().any(|&joint| skeleton.is_within(ankle, joint));
-        self.solved.holding.is_some() && self.solved.posed.prepared.legs().any(|leg| bears(leg.ankle))
+        // A joint does not move itself.
+        let borne_by = match self.point.checked_sub(skeleton.n_joints()) {
+            None => skeleton.joints()[self.point].parent,
+            Some(site) => Some(skeleton.end_sites()[site]),
+        };
+        let is_of = |leg: Leg| borne_by.is_some_and(|joint| skeleton.is_within(joint, leg.hip));
+        if self.chain.iter().all(|&joint| self.is_free(joint)) {
+            Holding::None
+        } else if self.solved.posed.prepared.legs().any(is_of) {
+            Holding::OfPoint
+        } else {
+            Holding::Beside
+        }
     }
 
-    /// Returns how the joints turn so that the point of a pose gets to a target.
-    fn turns(&self, world: &[Rigid], target: DVec3) -> Vec<JointTurn> {
+    /// Tells whether no leg that is held hangs on a joint.
+    fn is_free(&self, joint: JointId) -> bool {
+        let skeleton = &self.solved.clip.skeleton;
+        let mut legs = self.solved.posed.prepared.legs();
+        self.solved.holding.is_none() || !legs.any(|leg| skeleton.is_within(leg.ankle, joint))
+    }
+
+    /// Returns how joints turn so that the point of a pose gets to a target.
+    fn turns(&self, chain: &[JointId], world: &[Rigid], target: DVec3) -> Vec<JointTurn> {
         let clip = &*self.solved.clip;
         let point = ik::point_position(&clip.skeleton, world, self.point);
-        let hinge = ik::usual_hinge(clip, &self.chain, self.point);
-        Reach { world, chain: &self.chain, point, target, hinge }.turns()
+        let hinge = ik::usual_hinge(clip, chain, self.point);
+        Reach { world, chain, point, target, hinge }.turns()
+    }
+
+    /// Returns where the point of a pose gets to when joints turn.
+    fn after(&self, world: &[Rigid], turns: &[JointTurn]) -> DVec3 {
+        self.at(&ik::turned_world(&self.solved.clip.skeleton, world, turns))
+    }
+
+    /// Moves the point by joints of which some bear legs that are held; returns what follows.
+    ///
+    /// All joints turn in the pose that is seen. Holding the feet then takes the carrier a little elsewhere, and what is
+    /// missing is left to the joints that bear no leg: they move no foot, so it is exact. Only what they cannot do is
+    /// done by all once more.
+    fn reach_beside(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
+        let near = THERE * self.solved.clip.facts.height.value;
+        let free: Vec<JointId> = self.chain.iter().copied().filter(|&joint| self.is_free(joint)).collect();
+        let turns = self.turns(&self.chain, &pose(self.solved, self.frame_idx), to);
+        key_turns(self.solved, edits, self.layer_idx, self.frame_idx, &turns)?;
+        let mut made = draft(&Arc::new(edits.clone()), self.solved);
+        for _ in 0..BODY_CORRECTIONS {
+            let world = pose(&made, self.frame_idx);
+            let turns = self.turns(&self.chain, &world, to);
+            let nearest = self.after(&world, &turns);
+            if self.at(&world).distance(nearest) < near {
+                break;
+            }
+            let free_turns = self.turns(&free, &world, to);
+            if self.after(&world, &free_turns).distance(nearest) < near {
+                key_turns(&made, edits, self.layer_idx, self.frame_idx, &free_turns)?;
+                break;
+            }
+            key_turns(&made, edits, self.layer_idx, self.frame_idx, &turns)?;
+            made = draft(&Arc::new(edits.clone()), &made);
+        }
+        Ok(solve(&made.source, &Arc::new(edits.clone()), Some(&made)))
     }
 
     /// Returns where the point is in a pose.
@@ -130,50 +198,42 @@ impl Wish<'_> {
     }
 
     /// Moves the point of a leg that is held; returns what follows.
+    ///
+    /// What is missing after a try is tried again from there.
     fn reach_held(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
-        let (solved, clip) = (self.solved, &*self.solved.clip);
-        let seen = pose(solved, self.frame_idx);
-        // Out of reach it is the nearest place that is wanted.
-        let wanted = self.at(&ik::turned_world(&clip.skeleton, &seen, &self.turns(&seen, to)));
-        let mut source = Vec::new();
-        solved.posed.legs.world_rigids(self.walk_frame(), &mut source);
+        let skeleton = &self.solved.clip.skeleton;
         // Holding moves a foot as one rigid body.
-        let end = match self.point.checked_sub(clip.skeleton.n_joints()) {
+        let end = match self.point.checked_sub(skeleton.n_joints()) {
             None => self.point,
-            Some(site) => clip.skeleton.end_sites()[site].idx(),
+            Some(site) => skeleton.end_sites()[site].idx(),
         };
-        let back = source[end] * seen[end].inverse();
-        let untouched = edits.clone();
-        let near = THERE * clip.facts.height.value;
-        let (mut target, mut best) = (wanted, None::<(f64, Edits, Solved)>);
+        let near = THERE * self.solved.clip.facts.height.value;
+        let (mut least, mut best) = (f64::INFINITY, None::<Solved>);
         for _ in 0..=CORRECTIONS {
-            edits.clone_from(&untouched);
-            let turns = self.turns(&source, back.point(target));
-            if let Err(refusal) = key_turns(solved, edits, self.layer_idx, self.frame_idx, &turns) {
-                if best.is_none() {
-                    return Err(refusal);
-                }
+            let now = best.as_ref().unwrap_or(self.solved);
+            let seen = pose(now, self.frame_idx);
+            let mut source = Vec::new();
+            now.posed.legs.world_rigids(now.walk.source_frame(self.frame_idx), &mut source);
+            let back = source[end] * seen[end].inverse();
+            let turns = self.turns(&self.chain, &source, back.point(to));
+            let mut tried = (*now.edits).clone();
+            if best.is_none() {
+                tried.clone_from(edits);
+            }
+            key_turns(now, &mut tried, self.layer_idx, self.frame_idx, &turns)?;
+            let made = draft(&Arc::new(tried), now);
+            let off = self.at(&pose(&made, self.frame_idx)).distance(to);
+            if off >= least {
                 break;
             }
-            let made = solve(&solved.source, &Arc::new(edits.clone()), Some(solved));
-            let off = self.at(&pose(&made, self.frame_idx)) - wanted;
-            let is_better = best.as_ref().is_none_or(|(least, ..)| off.length() < *least);
-            if is_better {
-                best = Some((off.length(), edits.clone(), made));
-            }
-            if !is_better || off.length() < near {
+            (least, best) = (off, Some(made));
+            if off < near {
                 break;
             }
-            target -= off;
         }
-        let (_, keyed, made) = best.expect("the first try is the best so far");
-        *edits = keyed;
-        Ok(made)
-    }
-
-    /// Returns the frame of what walks that the edited frame shows.
-    fn walk_frame(&self) -> usize {
-        self.solved.walk.source_frame(self.frame_idx)
+        let made = best.expect("the first try is the best so far");
+        edits.clone_from(&made.edits);
+        Ok(solve(&made.source, &made.edits, Some(&made)))
     }
 }
 

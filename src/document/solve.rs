@@ -42,10 +42,26 @@ const STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.1;
 /// Pure: equal inputs give equal results, whatever `previous` is; it only lends the stages that did not change.
 /// Cannot fail: what cannot be done as wished is done as well as possible and said in `warnings`.
 pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>) -> Solved {
-    pooled(source.bvh.n_frames(), || solve_stages(source, edits, previous))
+    pooled(source.bvh.n_frames(), || solve_stages(source, edits, previous, Wanted::All))
 }
 
-fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>) -> Solved {
+/// Computes the poses that follow from other edits of a source that is solved already: a step on the way to edits whose
+/// [`solve`] is made from it. What is measured of poses takes as long again and stays that of the solve before.
+pub(super) fn draft(edits: &Arc<Edits>, previous: &Solved) -> Solved {
+    let source = &previous.source;
+    pooled(source.bvh.n_frames(), || solve_stages(source, edits, Some(previous), Wanted::Poses))
+}
+
+/// What a solve is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    /// Poses, strains and numbers.
+    All,
+    /// Poses.
+    Poses,
+}
+
+fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>, wanted: Wanted) -> Solved {
     let before = previous.filter(|p| Arc::ptr_eq(&p.source, source) && p.edits.clip == edits.clip);
     let (clip, carrier_track, body) = match before {
         Some(p) => (Arc::clone(&p.clip), Arc::clone(&p.carrier_track), Arc::clone(&p.body)),
@@ -158,18 +174,26 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         None => walked.as_edit_of(&clip, &walk),
     };
 
+    let is_measured = |p: &&Solved| !p.is_draft;
     let strains = || {
         let asked = || {
             let holding = holding.as_deref();
             let asked = Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &posed.prepared, holding };
             if walks { asked.strains() } else { Vec::new() }
         };
-        reuse(same_carriage, |p| &p.strains, asked)
+        reuse(same_carriage.filter(is_measured), |p| &p.strains, asked)
     };
 
     // What no foot hangs on does not change the feet's numbers.
-    let same_steps = same_carriage.filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.legs, &posed.legs));
+    let same_steps = same_carriage
+        .filter(is_measured)
+        .filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.legs, &posed.legs));
+    let same_edit = same_edit.filter(is_measured);
     let (measures, foot_numbers, strains) = match (same_edit, same_steps) {
+        _ if wanted == Wanted::Poses => {
+            let p = previous.expect("poses alone are solved for on the way from one solve to the next");
+            (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), Arc::clone(&p.strains))
+        }
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains()),
         _ => {
             let (sweep, moved) = walked.body.look(&walk, &posed.turning, &feet::measured_points(&walked.plants));
@@ -233,6 +257,7 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         feet,
         foot_numbers,
         warnings,
+        is_draft: wanted == Wanted::Poses,
     }
 }
 

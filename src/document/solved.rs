@@ -74,6 +74,8 @@ pub struct Solved {
     pub foot_numbers: Arc<Vec<FootNumbers>>,
     /// What could not be done as wished, one line each; also the clip's own warnings.
     pub warnings: Vec<String>,
+    /// Whether only poses are solved for: numbers and strains are those of the solve before, and no later one takes them.
+    pub(super) is_draft: bool,
 }
 
 impl Solved {

@@ -2,14 +2,22 @@
 //!
 //! The list stands as it is laid, the uppermost layer first. One of its layers is in use: poses and keys go into it.
 
-use super::{Asking, Editor, Effect, Message, Prompt, Row, RowKind, TABS, Tab};
+use super::{Asking, COMMANDS, Editor, Effect, Message, Prompt, Row, RowKind, TABS, Tab};
 use crate::{
     displace::{Interpolation, Layer},
-    document::{Change, LayerChange},
+    document::{Change, ChangeError, LayerChange, LayerRefusal},
 };
 
 /// Change of a weight by one key press; a big step is ten times that.
 const WEIGHT_STEP: f64 = 0.05;
+
+/// What is shown of a layer's keys: three lines of the panel at most.
+const HELP: &str = "+ - [ ] weight, enter name; after B: o on or off, i interpolation, k j higher or lower, m merge, \
+                    p r clear its maps, n new, d delete.";
+
+/// The same of a layer that is part of the motion.
+const MERGED_HELP: &str = "Part of the motion: enter names it; after B: k j higher or lower, d deletes it, n makes a \
+                           new layer for edits.";
 
 /// Returns the rows of the list.
 pub(super) fn rows(editor: &Editor) -> Vec<Row> {
@@ -17,22 +25,23 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
     let row = |(layer_idx, layer): (usize, &Layer)| {
         let in_use = layer_idx == editor.view.layer_idx;
         let sign = match (layer.merged, in_use, layer.on) {
-            (true, ..) => '■',
+            (true, _, true) => '■',
+            (true, _, false) => '□',
             (_, true, _) => '◆',
             (_, _, true) => '●',
             (_, _, false) => '○',
         };
-        let state = if layer.merged { "merged" } else { on_off(layer.on) };
+        let state = if layer.merged && layer.on { "merged" } else { on_off(layer.on) };
+        let merged = if layer.merged && !layer.on { ", merged" } else { "" };
+        let (way, keys) = (layer.interpolation.words(), keys_in_words(layer));
         Row {
             kind: RowKind::Layer { layer_idx },
             label: format!("{sign} {}", layer.name),
-            value: format!("{state} {:.2} {}, {} keys", layer.weight, layer.interpolation.words(), n_keys(layer)),
+            value: format!("{state}{merged} {:.2} {way}, {keys}", layer.weight),
             unit: "",
             changed: layer.merged || !layer.on || layer.weight != 1.0,
             selected: false,
-            help: "+ - [ ] change its weight, enter names it, B begins what is done with it: o on or off, i how it \
-                   interpolates, k j higher or lower, m merge, p r clear its maps, n a new one, d delete it."
-                .to_owned(),
+            help: if layer.merged { MERGED_HELP } else { HELP }.to_owned(),
         }
     };
     layers.map(row).collect()
@@ -42,8 +51,23 @@ fn on_off(on: bool) -> &'static str {
     if on { "on" } else { "off" }
 }
 
-fn n_keys(layer: &Layer) -> usize {
-    layer.position.len() + layer.rotation.values().map(|keys| keys.len()).sum::<usize>()
+/// Says how many keys a layer has.
+fn keys_in_words(layer: &Layer) -> String {
+    match layer.frames().count() {
+        1 => "1 key".to_owned(),
+        n => format!("{n} keys"),
+    }
+}
+
+/// Says why a change cannot be made, and the key that helps.
+pub(super) fn refusal(error: &ChangeError) -> String {
+    match error {
+        ChangeError::Layer(LayerRefusal::AllMerged(_)) => {
+            let add = COMMANDS.iter().find(|command| command.name == "layer.add").expect("a row of the table");
+            format!("{error}: {} makes one", add.keys[0])
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// Tells whether there is a layer in use.
@@ -84,7 +108,8 @@ fn tell(editor: &mut Editor) {
     if let Some(layer) = editor.document.edits().layers.get(editor.view.layer_idx) {
         let merged = if layer.merged { ", merged" } else { "" };
         let (on, way) = (on_off(layer.on), layer.interpolation.words());
-        let text = format!("{}: {on}, weight {:.2}, {way}, {} keys{merged}", layer.name, layer.weight, n_keys(layer));
+        let keys = keys_in_words(layer);
+        let text = format!("{}: {on}, weight {:.2}, {way}, {keys}{merged}", layer.name, layer.weight);
         editor.say(Message::note(text));
     }
 }

@@ -223,7 +223,7 @@ impl Editor {
                 let warnings: Vec<_> = warnings.iter().chain(new).cloned().collect();
                 self.view.message = (!warnings.is_empty()).then(|| Message::warning(warnings.join("; ")));
             }
-            Err(error) => self.say(Message::error(error.to_string())),
+            Err(error) => self.say(Message::error(layers::refusal(error))),
         }
         self.follow_document();
         made.is_ok()
