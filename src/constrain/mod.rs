@@ -3,11 +3,13 @@
 //! Plain path editing turns and moves the whole body frame by frame, so planted feet slide. Here each plant gets *one*
 //! rigid motion: the foot is carried as one piece, with the performer's own heel strike, roll and toe-off in it. The
 //! legs follow by two-bone IK; where they would become too long or their knees would turn otherwise than the
-//! performer's, the carrier gives way by a smooth offset.
+//! performer's, the carrier gives way by a smooth offset, and a plant that even then could not be reached stands a
+//! little elsewhere. On a level path feet stand as high as they stood: what the fitted path rises and falls with the body
+//! is given back first.
 //!
 //! ```text
 //! clip, legs, plants ─▶ Prepared ─┐
-//! plain path edit ─▶ Job ─────────┴▶ targets of the feet ─▶ offset of the carrier ─▶ two-bone IK ─▶ Held
+//! plain path edit ─▶ Job ─▶ level ┴▶ targets of the feet ─▶ offset of the carrier ─▶ two-bone IK ─▶ Held
 //! ```
 //!
 //! [`Prepared`] holds what follows from the source alone; [`hold()`] is made to run on every key press.
