@@ -114,7 +114,7 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let dt = prepared.frame_time_secs;
     let lifts = lifts(job.path, job.original, prepared.slope);
     let lift = |(plain, by): (&Rigid, &f64)| Rigid { translation: plain.translation + *by * DVec3::Y, ..*plain };
-    let mut carrier: Vec<Rigid> = job.carrier.iter().zip(&lifts).map(lift).collect();
+    let mut carrier = listed(n, |frames| job.carrier[frames.clone()].iter().zip(&lifts[frames]).map(lift));
     let job = &Job { carrier: &carrier, ..*job };
     let passage = listed(n, |frames| {
         let pairs = job.carrier[frames.clone()].iter().zip(&prepared.to_origin[frames]);

@@ -7,7 +7,7 @@
 //! share that the new path does not repeat is given back.
 
 use super::ground::GroundSlope;
-use crate::path::PathFrame;
+use crate::{path::PathFrame, sync::both};
 
 /// Returns what is to be added to plain path editing's height at each frame, clip's unit.
 ///
@@ -15,8 +15,11 @@ use crate::path::PathFrame;
 pub(super) fn lifts(new: &[PathFrame], original: &[PathFrame], ground: GroundSlope) -> Vec<f64> {
     let Some(first) = original.first() else { return Vec::new() };
     let climb = |at: &PathFrame| ground.climb(at.point - first.point);
-    let own = Parts::of(original.iter().map(|at| at.point.y - climb(at)));
-    let other = Parts::of(new.iter().zip(original).map(|(at, was)| at.point.y - climb(was)));
+    let (own, other) = both(
+        original.len(),
+        || Parts::of(original.iter().map(|at| at.point.y - climb(at))),
+        || Parts::of(new.iter().zip(original).map(|(at, was)| at.point.y - climb(was))),
+    );
     let (trend, waver) = own.not_in(&other);
     let lift = |frame: usize| trend * own.trend * frame as f64 + waver * own.waver[frame];
     let begin = lift(0);

@@ -22,7 +22,7 @@ pub struct Holding {
     pub footprints: Vec<Footprint>,
     /// Plants that could not be reached.
     pub missed: Vec<Missed>,
-    /// Largest distance by which the carrier gave way, the clip's unit.
+    /// Largest distance of the carrier from where plain path editing puts it, the clip's unit.
     pub largest_offset: f64,
 }
 
