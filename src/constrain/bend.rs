@@ -21,7 +21,7 @@ use crate::{
 
 /// A planted leg is held within this share of its length, unless the source's own is about as long: a knee that comes
 /// nearer to straight turns back within a frame or two.
-const LIMIT: f64 = 0.993;
+pub(super) const LIMIT: f64 = 0.993;
 
 /// A planted leg may be longer than the source's by this share of its length …
 const LONGER: f64 = 0.003;

@@ -8,10 +8,10 @@
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use super::{
-    bend::free_at,
+    bend::{LIMIT, free_at},
     prepared::{PreparedLeg, PreparedPlant},
 };
-use crate::math::Rigid;
+use crate::{contact::Plant, math::Rigid};
 
 /// What a leg may be too long by, share of its length, before its plant gives way: the carrier's offset makes up for it.
 const LEFT_TO_OFFSET: f64 = 0.05;
@@ -53,35 +53,43 @@ struct Leg {
 impl Passing<'_> {
     /// Returns how far plants with this motion give way, level; nothing where the leg is long enough.
     pub(super) fn gives_way(&self, motion: &Rigid) -> DVec2 {
-        let legs = self.legs(motion);
-        if legs.iter().all(|leg| leg.way.length_squared() <= leg.bound * leg.bound) {
+        if self.ways(motion).all(|(f, _, way)| way.length_squared() <= self.least_bound(f).powi(2)) {
             return DVec2::ZERO;
         }
+        let legs: Vec<Leg> = self.ways(motion).map(|(f, away, way)| Leg { way, bound: self.bound(f, away) }).collect();
         let unit = self.leg.shape.frames[self.plants[0].plant.first].length;
         let way = evened(&legs, unit);
         // Falls behind what is asked for smoothly, so that nothing jumps while a path is dragged.
         way / (1.0 + (way.length() / (FURTHEST * unit)).powi(4)).powf(0.25)
     }
 
-    /// Lists the leg at some frames of the plants and around them.
-    fn legs(&self, motion: &Rigid) -> Vec<Leg> {
-        let turn = DMat3::from_quat(motion.rotation);
+    /// Lists the ways from ankle to hip at some frames of the plants and around them, each with its frame and with how
+    /// many frames that is away from the plant.
+    fn ways(&self, motion: &Rigid) -> impl Iterator<Item = (usize, usize, DVec3)> {
+        let (turn, shift) = (DMat3::from_quat(motion.rotation), motion.translation);
         let frames_in = |secs: f64| (secs / self.frame_time_secs).round() as usize;
         let (around, stride) = (frames_in(AROUND_SECS), frames_in(SAMPLE_SECS).max(1));
         let end = self.carrier.len() - 1;
-        let mut legs = Vec::new();
-        for stood in self.plants {
-            let plant = stood.plant;
-            for f in (plant.first.saturating_sub(around)..=(plant.last + around).min(end)).step_by(stride) {
-                let frame = &self.leg.shape.frames[f];
-                let ankle = turn * (self.leg.feet[f].ankle.translation - stood.slid(f)) + motion.translation;
-                let away = plant.first.saturating_sub(f).max(f.saturating_sub(plant.last));
-                let limit = frame.limit_when(free_at(away as f64, self.frame_time_secs));
-                let bound = limit + LEFT_TO_OFFSET * frame.length;
-                legs.push(Leg { way: self.carrier[f].point(frame.hip) - ankle, bound });
-            }
-        }
-        legs
+        self.plants.iter().flat_map(move |stood| {
+            let Plant { first, last, .. } = stood.plant;
+            (first.saturating_sub(around)..=(last + around).min(end)).step_by(stride).map(move |f| {
+                let ankle = turn * (self.leg.feet[f].ankle.translation - stood.slid(f)) + shift;
+                let away = first.saturating_sub(f).max(f.saturating_sub(last));
+                (f, away, self.carrier[f].point(self.leg.shape.frames[f].hip) - ankle)
+            })
+        })
+    }
+
+    /// Returns the length beyond which a leg makes its plant give way, so many frames away from that.
+    fn bound(&self, frame: usize, away: usize) -> f64 {
+        let leg = &self.leg.shape.frames[frame];
+        leg.limit_when(free_at(away as f64, self.frame_time_secs)) + LEFT_TO_OFFSET * leg.length
+    }
+
+    /// Returns a length that is never beyond it, whatever the distance from the plant.
+    fn least_bound(&self, frame: usize) -> f64 {
+        let leg = &self.leg.shape.frames[frame];
+        (LIMIT + LEFT_TO_OFFSET) * leg.length
     }
 }
 

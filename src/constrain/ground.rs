@@ -38,7 +38,8 @@ impl GroundSlope {
 
     /// Returns the slope in a heading, radians.
     pub(super) fn in_heading_rad(self, heading_rad: f64) -> f64 {
-        self.0.dot(DVec2::from(heading_rad.sin_cos())).atan()
+        // Most ground is level, and every frame asks.
+        if self == Self::default() { 0.0 } else { self.0.dot(DVec2::from(heading_rad.sin_cos())).atan() }
     }
 }
 

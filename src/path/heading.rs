@@ -11,10 +11,13 @@
 
 use glam::DVec3;
 
-use crate::math::{heading_rad, wrap_rad};
+use crate::{
+    math::{heading_rad, wrap_rad},
+    sync::listed,
+};
 
-/// Grid steps in one window, at least.
-const STEPS_PER_WINDOW: f64 = 16.0;
+/// Grid steps in one window: both ends of every chord are points of the grid.
+const STEPS_PER_WINDOW: usize = 16;
 /// A chord shorter than this share of its full length (twice the window) is a hairpin's and has no heading.
 const SHORTEST_CHORD: f64 = 0.2;
 /// The window is at least this share of the path, which bounds the grid.
@@ -34,7 +37,9 @@ pub enum Headings {
     },
     /// By the windowed chord.
     Windowed {
-        /// Arc length from one grid point to the next; the first is at 0.
+        /// Arc length of the whole path.
+        length: f64,
+        /// Arc length from one grid point to the next; the first is at 0, the last not before the path's end.
         spacing: f64,
         /// Unwrapped headings on the grid.
         headings_rad: Vec<f64>,
@@ -49,8 +54,7 @@ impl Headings {
     /// Computes headings along a path of this length.
     ///
     /// `window` is in the clip's unit, 0 for the plain tangent. `fallback_rad` is the heading of a path that has
-    /// none. `point_at` is asked for arc lengths in [0, length], in rising order
-    /// twice over.
+    /// none. `point_at` is asked for arc lengths in [0, length], most of them in rising order.
     pub fn along(length: f64, window: f64, fallback_rad: f64, mut point_at: impl FnMut(f64) -> DVec3) -> Self {
         if window <= 0.0 {
             return Self::Tangent;
@@ -59,16 +63,16 @@ impl Headings {
             return Self::constant(point_at(length) - point_at(0.0), SHORTEST_CHORD * length, fallback_rad);
         }
         let window = window.max(SHORTEST_WINDOW * length);
-        let n_steps = (length / window * STEPS_PER_WINDOW).ceil();
-        let spacing = length / n_steps;
-        let chords = chords(length, window, spacing, n_steps as usize + 1, &mut point_at);
+        let spacing = window / STEPS_PER_WINDOW as f64;
+        let n_nodes = (length / spacing).ceil() as usize + 1;
+        let points = Grid::new(length, spacing, n_nodes + STEPS_PER_WINDOW, &mut point_at);
 
         let shortest = SHORTEST_CHORD * 2.0 * window;
-        let mut headings: Vec<Option<f64>> =
-            chords.iter().map(|&c| if c.x.hypot(c.z) < shortest { None } else { heading_rad(c) }).collect();
+        let directions = listed(n_nodes, |nodes| nodes.map(|node| directions(points.chord(node), shortest)));
+        let (mut headings, slopes): (Vec<_>, Vec<_>) = directions.into_iter().unzip();
         unwrap_known(&mut headings);
-        let slopes = chords.iter().map(|&c| (c.length() >= shortest).then(|| slope_rad(c))).collect();
-        Self::Windowed { spacing, headings_rad: filled(headings, fallback_rad), slopes_rad: filled(slopes, 0.0) }
+        let (headings_rad, slopes_rad) = (filled(headings, fallback_rad), filled(slopes, 0.0));
+        Self::Windowed { length, spacing, headings_rad, slopes_rad }
     }
 
     /// Returns the one heading of a path with this net displacement, if that is long enough to have one.
@@ -84,8 +88,8 @@ impl Headings {
     pub fn at(&self, arc_length: f64) -> Option<(f64, f64)> {
         match self {
             Self::Constant { heading_rad, slope_rad } => Some((*heading_rad, *slope_rad)),
-            Self::Windowed { spacing, headings_rad, slopes_rad } => {
-                let along = (arc_length / spacing).clamp(0.0, (headings_rad.len() - 1) as f64);
+            Self::Windowed { length, spacing, headings_rad, slopes_rad } => {
+                let along = arc_length.clamp(0.0, *length) / spacing;
                 Some((interpolated(headings_rad, along), interpolated(slopes_rad, along)))
             }
             Self::Tangent => None,
@@ -118,29 +122,42 @@ fn slope_rad(direction: DVec3) -> f64 {
     direction.y.atan2(direction.x.hypot(direction.z))
 }
 
-/// Returns the chord about each grid point, from `window` before to `window` after it, the path carried on along its
-/// first and last chord of length `window`.
-fn chords(
-    length: f64,
-    window: f64,
-    spacing: f64,
-    n_nodes: usize,
-    point_at: &mut impl FnMut(f64) -> DVec3,
-) -> Vec<DVec3> {
-    let (start, end) = (point_at(0.0), point_at(length));
-    // Per unit of arc length; shorter than 1 where the path bends, so that a hairpin's chord stays a short one.
-    let first = (point_at(window) - start) / window;
-    let last = (end - point_at(length - window)) / window;
-    let behind: Vec<DVec3> = (0..n_nodes)
-        .map(|i| i as f64 * spacing - window)
-        .map(|s| if s < 0.0 { start + first * s } else { point_at(s) })
-        .collect();
-    behind
-        .into_iter()
-        .enumerate()
-        .map(|(i, behind)| (i as f64 * spacing + window, behind))
-        .map(|(s, behind)| if s > length { end + last * (s - length) - behind } else { point_at(s) - behind })
-        .collect()
+/// Returns heading and slope of a chord, where it is long enough to have them.
+fn directions(chord: DVec3, shortest: f64) -> (Option<f64>, Option<f64>) {
+    let heading = if chord.x.hypot(chord.z) < shortest { None } else { heading_rad(chord) };
+    (heading, (chord.length() >= shortest).then(|| slope_rad(chord)))
+}
+
+/// Points of a path that is carried on along its first and last chord of one window's length.
+struct Grid {
+    /// From the start of the path on.
+    points: Vec<DVec3>,
+    /// Along the first chord: shorter than a step where the path bends, so that a hairpin's chord stays a short one.
+    first_step: DVec3,
+}
+
+impl Grid {
+    fn new(length: f64, spacing: f64, n_points: usize, point_at: &mut impl FnMut(f64) -> DVec3) -> Self {
+        let window = spacing * STEPS_PER_WINDOW as f64;
+        let end = point_at(length);
+        let last = (end - point_at(length - window)) / window;
+        let points: Vec<DVec3> = (0..n_points)
+            .map(|i| i as f64 * spacing)
+            .map(|s| if s > length { end + last * (s - length) } else { point_at(s) })
+            .collect();
+        let first_step = (points[STEPS_PER_WINDOW] - points[0]) / STEPS_PER_WINDOW as f64;
+        Self { points, first_step }
+    }
+
+    /// Returns the chord about a point, from one window before to one after it.
+    fn chord(&self, node: usize) -> DVec3 {
+        let ahead = self.points[node + STEPS_PER_WINDOW];
+        let behind = match node.checked_sub(STEPS_PER_WINDOW) {
+            Some(behind) => self.points[behind],
+            None => self.points[0] - self.first_step * (STEPS_PER_WINDOW - node) as f64,
+        };
+        ahead - behind
+    }
 }
 
 /// Adds whole turns so that each known heading is within half a turn of the known one before it.
