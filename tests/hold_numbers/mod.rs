@@ -1,5 +1,5 @@
-//! The numbers a held edit is judged by, source beside edited; for the bench that prints them and the test that bounds
-//! them.
+//! The numbers a held edit is judged by, source beside edited; for the bench that prints them and the tests that
+//! bound them.
 
 use std::sync::Arc;
 
