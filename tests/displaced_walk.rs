@@ -262,6 +262,25 @@ fn a_hand_goes_from_target_to_target_with_the_whole_body_and_feet_held() {
     }
 }
 
+#[test]
+fn hands_and_feet_go_where_they_are_wanted_in_every_cycle() {
+    for cycling in ["plain", "blended"] {
+        let document = opened(&[&format!("timing.cycling={cycling}")], Some("circle:3"));
+        let n = document.solved().edited.n_frames();
+        for frame in [40, n / 2, n - 30] {
+            for (point, by) in
+                [("RightWrist", DVec3::new(0.1, 0.1, -0.1)), ("LeftAnkle", DVec3::new(0.02, 0.04, -0.02))]
+            {
+                let mut puppet = Puppet::of(document.clone(), frame, point);
+                let to = puppet.ends()[1] + by * puppet.height();
+                let off = puppet.reach(to);
+                println!("{cycling}, frame {frame}, {point}: {off:e} body heights off");
+                assert!(off < 1e-4, "{cycling}, frame {frame}, {point}: {off} body heights off");
+            }
+        }
+    }
+}
+
 /// On this clip the third target was once 20 cm off: joints were moved in a pose without the keys of the first two.
 #[test]
 fn a_captured_hand_goes_from_target_to_target_and_to_the_nearest_point() {

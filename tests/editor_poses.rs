@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use walkabout::{
     displace::{InterpolationKeys, PointValue, Selection},
     document::{self, Document},
-    editor::{Editor, Handle, TABS},
+    editor::{Editor, Handle, TABS, Tab},
     link::check_scene,
     math::Rigid,
     scene::{Ray, Role, Scene},
@@ -239,6 +239,32 @@ fn keys_move_a_joint_and_turn_only_selected_joints_above_it() {
     let mut held = posing(ARM);
     held.keys("zzz");
     assert_eq!(held.document().depth(), (1, 0), "held keys are one step");
+}
+
+#[test]
+fn what_is_shown_before_it_is_measured_says_so_and_looks_the_same_after() {
+    let mut e = editor();
+    e.keys("..");
+    e.keys(BENT);
+    let mut scripted = e.clone();
+    e.show_drafts();
+    e.keys("xx");
+    scripted.keys("xx");
+    assert!(!e.document().solved().is_measured() && scripted.document().solved().is_measured());
+    assert_eq!(rigids(&e), rigids(&scripted));
+    let told = |e: &Editor| format!("{:?} {:?}", e.document().solved().measures, e.document().solved().foot_numbers);
+    let quality = |e: &mut Editor| {
+        let tab_idx = e.view().tab_idx;
+        let quality = TABS.iter().position(|&tab| tab == Tab::Quality).expect("a tab");
+        e.keys(&"<tab>".repeat((quality + TABS.len() - tab_idx) % TABS.len()));
+        e.rows().into_iter().filter(|row| row.value.ends_with('…')).count()
+    };
+    let drawn = e.scene().still.revision;
+    assert!(quality(&mut e.clone()) > 0 && quality(&mut scripted) == 0);
+    assert!(e.measure() && !e.measure());
+    assert_eq!(told(&e), told(&scripted));
+    assert_eq!(quality(&mut e.clone()), 0);
+    assert_eq!(e.scene().still.revision, drawn, "nothing is drawn anew");
 }
 
 #[test]

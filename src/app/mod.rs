@@ -1,7 +1,8 @@
 //! The running editor: its event loop, its threads and its preview processes.
 //!
 //! One enum of events and one `match`: whatever can wake the program is in `Event`. This thread alone writes the
-//! document, solves and draws the terminal; the input, signal and preview threads only send.
+//! document, solves and draws the terminal; the input, signal and preview threads only send. A pose that changes is shown
+//! as a draft, and measured once nothing has come in for a moment.
 
 pub mod preview;
 pub mod preview_main;
@@ -26,6 +27,9 @@ use signals::SignalEvent;
 const FRAME: Duration = Duration::from_millis(33);
 /// The same over SSH, where bytes are dear.
 const FRAME_OVER_SSH: Duration = Duration::from_millis(66);
+
+/// What is shown is measured once nothing has happened for this long: longer than from one step of a held key to the next.
+const REST: Duration = Duration::from_millis(80);
 
 /// The exit status after the terminal went away, as for SIGHUP.
 const HANGUP_STATUS: u8 = 129;
@@ -154,7 +158,8 @@ impl Shown {
 }
 
 impl App {
-    fn new(editor: Editor, terminal: Terminal, sender: Sender<Event>) -> Self {
+    fn new(mut editor: Editor, terminal: Terminal, sender: Sender<Event>) -> Self {
+        editor.show_drafts();
         let over_ssh = std::env::var_os("SSH_CONNECTION").is_some();
         Self {
             editor,
@@ -175,17 +180,22 @@ impl App {
         let mut last = Instant::now();
         self.show()?;
         loop {
-            let event = if self.editor.view().playing {
-                match events.recv_timeout(self.frame.saturating_sub(last.elapsed())) {
-                    Err(RecvTimeoutError::Timeout) => None,
-                    other => other.ok(),
-                }
-            } else {
-                events.recv().ok()
+            let is_measured = self.editor.document().solved().is_measured();
+            let patience = match self.editor.view().playing {
+                true => Some(self.frame.saturating_sub(last.elapsed())),
+                false => (!is_measured).then_some(REST),
+            };
+            let event = match patience.map(|patience| events.recv_timeout(patience)) {
+                Some(Err(RecvTimeoutError::Timeout)) => None,
+                Some(other) => other.ok(),
+                None => events.recv().ok(),
             };
             let secs = last.elapsed().as_secs_f64();
             last = Instant::now();
             let mut changed = self.editor.advance(secs);
+            if event.is_none() {
+                changed |= self.editor.measure();
+            }
             // What has piled up is acted on before anything is drawn.
             let mut waiting = event.into_iter().chain(events.try_iter()).peekable();
             while let Some(event) = waiting.next() {

@@ -27,7 +27,8 @@ impl Stack<'_> {
     pub fn rotation(&self, joint: JointId, frame: usize) -> DQuat {
         let has_maps = self.base.iter().any(|turned| turned.joint == joint) || self.maps_of(joint).next().is_some();
         if has_maps && super::can_turn(self.clip, joint) {
-            self.track(joint, self.maps_of(joint).map(|(_, layer, keys)| (layer, keys))).rotation(frame)
+            let maps = self.maps_of(joint).map(|(_, layer, keys)| (layer, keys));
+            self.track(joint, maps, frame..frame + 1).rotation(frame)
         } else {
             self.clip.rotations(frame)[joint.idx()]
         }
@@ -50,7 +51,7 @@ impl Stack<'_> {
         let layer = &self.layers[layer_idx];
         let own = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx);
         let Some((_, _, keys)) = own else { return DQuat::IDENTITY };
-        let value = self.below(layer_idx, joint).value(layer.interpolation, keys, frame);
+        let value = self.below(layer_idx, joint, frame).value(layer.interpolation, keys, frame);
         if layer.effect() == 0.0 {
             return value;
         }
@@ -125,17 +126,17 @@ impl Stack<'_> {
         spline::values(&layer.position, Curve::Cubic, file_frame..file_frame + 1)[0]
     }
 
-    /// Returns the joint with all layers below one.
-    fn below(&self, layer_idx: usize, joint: JointId) -> super::track::Track<'_> {
+    /// Returns the joint with all layers below one, at a frame.
+    fn below(&self, layer_idx: usize, joint: JointId, frame: usize) -> super::track::Track<'_> {
         let place = self.in_order().position(|(idx, _)| idx == layer_idx).expect("the layer is in the list");
         let lower: Vec<usize> = self.in_order().take(place).map(|(idx, _)| idx).collect();
         let maps = self.maps_of(joint).filter(|(idx, ..)| lower.contains(idx));
-        self.track(joint, maps.map(|(_, layer, keys)| (layer, keys)))
+        self.track(joint, maps.map(|(_, layer, keys)| (layer, keys)), frame..frame + 1)
     }
 
     /// Returns the joint's rotation with all layers up to one, that one included.
     fn through(&self, layer_idx: usize, joint: JointId, frame: usize) -> DQuat {
-        let mut track = self.below(layer_idx, joint);
+        let mut track = self.below(layer_idx, joint, frame);
         if let Some((_, layer, keys)) = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx) {
             track.lay(layer, keys);
         }
@@ -145,7 +146,7 @@ impl Stack<'_> {
     /// Returns the key that makes a joint's rotation with all layers up to one this one.
     fn own_key(&self, layer_idx: usize, joint: JointId, frame: usize, wanted: DQuat) -> Option<DQuat> {
         let layer = &self.layers[layer_idx];
-        let mut below = self.below(layer_idx, joint);
+        let mut below = self.below(layer_idx, joint, frame);
         let turn = slerp::short_way(below.rotation(frame).conjugate() * wanted).normalize();
         let key = match layer.interpolation {
             Interpolation::Quaternion => {

@@ -88,10 +88,14 @@ pub(super) fn visit(lifted: &[Key<DQuat>], frames: Range<usize>, mut visit: impl
                 let turn = from.value.conjugate() * to.value;
                 let share = |n_frames: usize| power(turn, n_frames as f64 / (to.frame - from.frame) as f64);
                 let step = share(1);
-                for start in run.clone().step_by(STRIDE) {
+                // Strides are counted from the key: what a frame gets does not depend on which others are asked for.
+                let first = from.frame + (run.start - from.frame) / STRIDE * STRIDE;
+                for start in (first..run.end).step_by(STRIDE) {
                     let mut value = from.value * share(start - from.frame);
                     for frame in start..run.end.min(start + STRIDE) {
-                        visit(frame, value);
+                        if frame >= run.start {
+                            visit(frame, value);
+                        }
                         value *= step;
                     }
                 }

@@ -1,11 +1,11 @@
 //! `Stack`: layers on a clip, and what comes of them at every frame.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use glam::{DQuat, DVec3};
 
 use super::{
-    Keys, Layer, find_joint,
+    Interpolation, Keys, Layer, find_joint,
     spline::{self, Curve},
     track::Track,
 };
@@ -105,14 +105,14 @@ pub fn can_turn(clip: &Clip, joint: JointId) -> bool {
 impl<'a> Stack<'a> {
     /// Computes what the layers make of the clip.
     pub fn displaced(&self) -> Displaced {
-        self.displaced_again(self, &Displaced::default())
+        self.displaced_again(self, &Displaced::default(), 0..self.clip.n_frames())
     }
 
-    /// Computes what the layers make of the clip; joints whose maps are those of an earlier stack are copied from what
-    /// that one made. The result does not depend on it.
-    pub fn displaced_again(&self, earlier: &Stack, made: &Displaced) -> Displaced {
+    /// Computes what the layers make of some frames of the clip, which are the result's from 0 on; joints whose maps are
+    /// those of an earlier stack are copied from what that one made of the whole clip. The result does not depend on it.
+    pub fn displaced_again(&self, earlier: &Stack, made: &Displaced, frames: Range<usize>) -> Displaced {
         let carrier = self.clip.facts.carrier.value;
-        let mut out = Displaced { offsets: self.offsets(), ..Displaced::default() };
+        let mut out = Displaced { offsets: self.offsets(frames.clone()), ..Displaced::default() };
         let earlier_maps = if std::ptr::eq(self.clip, earlier.clip) { earlier.maps() } else { BTreeMap::new() };
         for (joint, maps) in self.maps() {
             let is_same = earlier_maps.get(&joint).is_some_and(|other| has_equal_effect(&maps, other))
@@ -120,12 +120,14 @@ impl<'a> Stack<'a> {
             let is_carrier = joint == carrier;
             let kept = made.turned.iter().find(|turned| is_same && turned.joint == joint);
             if is_same && is_carrier && !made.carrier_turns.is_empty() {
-                out.carrier_turns.clone_from(&made.carrier_turns);
+                out.carrier_turns = made.carrier_turns[frames.clone()].to_vec();
             } else if let Some(kept) = kept {
-                out.turned.push(kept.clone());
-            } else if let Some(rotations) = self.track(joint, maps.into_iter()).into_rotations() {
+                out.turned.push(TurnedJoint { joint, rotations: kept.rotations[frames.clone()].to_vec() });
+            } else if let Some(rotations) =
+                self.track(joint, maps.into_iter(), frames.clone()).into_rotations(frames.clone())
+            {
                 if is_carrier {
-                    out.carrier_turns = self.turns_of(joint, &rotations);
+                    out.carrier_turns = self.turns_of(joint, &rotations, frames.start);
                 } else {
                     out.turned.push(TurnedJoint { joint, rotations });
                 }
@@ -180,9 +182,13 @@ impl<'a> Stack<'a> {
         })
     }
 
-    /// Lays maps on a joint.
-    pub(super) fn track(&self, joint: JointId, maps: impl Iterator<Item = Map<'a>>) -> Track<'a> {
-        let mut track = Track::new(self.clip, joint, self.base_of(joint).map(<[DQuat]>::to_vec));
+    /// Lays maps on a joint, at some frames of the clip at least.
+    pub(super) fn track(&self, joint: JointId, maps: impl Iterator<Item = Map<'a>>, frames: Range<usize>) -> Track<'a> {
+        // Angles go on from frame to frame.
+        let has_angles = self.layers.iter().any(|layer| layer.interpolation != Interpolation::Quaternion);
+        let frames = if has_angles { 0..self.clip.n_frames() } else { frames };
+        let base = self.base_of(joint).map(|base| base[frames.clone()].to_vec());
+        let mut track = Track::new(self.clip, joint, base, frames);
         maps.for_each(|(layer, keys)| track.lay(layer, keys));
         track
     }
@@ -191,10 +197,10 @@ impl<'a> Stack<'a> {
         self.base.iter().find(|turned| turned.joint == joint).map(|turned| &*turned.rotations)
     }
 
-    /// Returns the sum of the layers' position maps over the clip's frames; empty when no layer moves the carrier.
-    fn offsets(&self) -> Vec<DVec3> {
+    /// Returns the sum of the layers' position maps over frames of the clip; empty when no layer moves the carrier.
+    fn offsets(&self, frames: Range<usize>) -> Vec<DVec3> {
         let mut sum = Vec::new();
-        let frames = self.clip.rest_frames()..self.clip.n_file_frames();
+        let frames = self.clip.file_frame(frames.start)..self.clip.file_frame(frames.end);
         for layer in self.layers.iter().filter(|layer| self.moves(layer)) {
             let values = spline::values(&layer.position, Curve::Cubic, frames.clone());
             sum.resize(values.len(), DVec3::ZERO);
@@ -225,14 +231,14 @@ impl<'a> Stack<'a> {
         maps
     }
 
-    /// Returns the turns on the right that take the clip's rotations of a joint to these.
-    fn turns_of(&self, joint: JointId, rotations: &[DQuat]) -> Vec<DQuat> {
+    /// Returns the turns on the right that take the clip's rotations of a joint, from a frame on, to these.
+    fn turns_of(&self, joint: JointId, rotations: &[DQuat], first: usize) -> Vec<DQuat> {
         let own = |frame: usize| self.clip.rotations(frame)[joint.idx()];
         let turn = |(frame, &rotation): (usize, &DQuat)| match own(frame) {
             own if own == rotation => DQuat::IDENTITY,
             own => own.conjugate() * rotation,
         };
-        rotations.iter().enumerate().map(turn).collect()
+        (first..).zip(rotations).map(turn).collect()
     }
 }
 
@@ -555,7 +561,15 @@ mod tests {
         for earlier in &stacks {
             let made = earlier.displaced();
             for stack in &stacks {
-                assert_eq!(stack.displaced_again(earlier, &made), stack.displaced());
+                let whole = stack.displaced();
+                assert_eq!(stack.displaced_again(earlier, &made, 0..clip.n_frames()), whole);
+                for frames in [0..1, 30..47, 50..clip.n_frames()] {
+                    let some = stack.displaced_again(earlier, &made, frames.clone());
+                    let shown: Vec<u32> = frames.clone().map(|frame| frame as u32).collect();
+                    assert_eq!(some.turned, whole.shown(&shown), "{frames:?}");
+                    assert_eq!(some.offsets, whole.offsets.get(frames.clone()).unwrap_or_default(), "{frames:?}");
+                    assert_eq!(some.carrier_turns, whole.carrier_turns.get(frames).unwrap_or_default());
+                }
             }
         }
     }

@@ -1,4 +1,6 @@
-//! One joint over the whole clip, while layers are laid on it.
+//! One joint over the clip or a few of its frames, while layers are laid on it.
+
+use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
@@ -11,11 +13,13 @@ use crate::{
     skeleton::JointId,
 };
 
-/// A joint's local rotations at every frame of the clip, and its channel angles where they are known.
+/// A joint's local rotations at frames of the clip, and its channel angles where they are known.
 pub(super) struct Track<'a> {
     clip: &'a Clip,
     joint: usize,
     order: RotationOrder,
+    /// The clip's frames that it has; all of them where angles are asked for.
+    frames: Range<usize>,
     /// None: still the clip's own.
     rotations: Option<Vec<DQuat>>,
     /// Angles of the rotations, degrees, continuous; none: not asked for yet.
@@ -23,28 +27,31 @@ pub(super) struct Track<'a> {
 }
 
 impl<'a> Track<'a> {
-    /// Begins with rotations, or with the clip's own.
+    /// Begins at some frames with rotations, or with the clip's own.
     ///
     /// # Panics
     ///
     /// When the joint does not turn freely.
-    pub(super) fn new(clip: &'a Clip, joint: JointId, rotations: Option<Vec<DQuat>>) -> Self {
+    pub(super) fn new(clip: &'a Clip, joint: JointId, rotations: Option<Vec<DQuat>>, frames: Range<usize>) -> Self {
         let joint = joint.idx();
         let order = clip.rotation_order(joint).expect("only joints that turn freely have maps");
-        Self { clip, joint, order, rotations, degrees: None }
+        Self { clip, joint, order, frames, rotations, degrees: None }
     }
 
     /// Returns the rotation at a frame of the clip.
     pub(super) fn rotation(&self, frame: usize) -> DQuat {
         match &self.rotations {
-            Some(rotations) => rotations[frame],
+            Some(rotations) => rotations[frame - self.frames.start],
             None => self.clip.rotations(frame)[self.joint],
         }
     }
 
-    /// Returns the rotations, if they may differ from the clip's own.
-    pub(super) fn into_rotations(self) -> Option<Vec<DQuat>> {
-        self.rotations
+    /// Returns the rotations at some of its frames, if they may differ from the clip's own.
+    pub(super) fn into_rotations(self, frames: Range<usize>) -> Option<Vec<DQuat>> {
+        let mut rotations = self.rotations?;
+        rotations.truncate(frames.end - self.frames.start);
+        rotations.drain(..frames.start - self.frames.start);
+        Some(rotations)
     }
 
     /// Lays a layer's map on the joint; frames at which it is no turn keep their bits.
@@ -92,21 +99,21 @@ impl<'a> Track<'a> {
     }
 
     fn turn(&mut self, keys: &Keys<DQuat>, weight: f64) {
-        let (clip, joint) = (self.clip, self.joint);
-        let own = || (0..clip.n_frames()).map(|frame| clip.rotations(frame)[joint]).collect();
+        let (clip, joint, frames) = (self.clip, self.joint, self.frames.clone());
+        let own = || frames.clone().map(|frame| clip.rotations(frame)[joint]).collect();
         let rotations = self.rotations.get_or_insert_with(own);
-        let (rest, end) = (clip.rest_frames(), clip.n_file_frames());
+        let (first, end) = (clip.file_frame(frames.start), clip.file_frame(frames.end));
         let multiply = |frame: usize, turn: DQuat| {
             if turn.xyz() != DVec3::ZERO {
-                let rotation = &mut rotations[frame - rest];
+                let rotation = &mut rotations[frame - first];
                 *rotation *= turn;
             }
         };
         let lifted = slerp::lifted(keys);
         if weight == 1.0 {
-            slerp::visit(&lifted, rest..end, multiply);
+            slerp::visit(&lifted, first..end, multiply);
         } else {
-            slerp::visit_share(&lifted, weight, rest..end, multiply);
+            slerp::visit_share(&lifted, weight, first..end, multiply);
         }
         self.degrees = None;
     }
@@ -137,6 +144,7 @@ impl<'a> Track<'a> {
 
     /// Returns the angles of the rotations; the first frame's are the nearest to the file's own.
     fn degrees(&mut self) -> &[[f64; 3]] {
+        assert_eq!(self.frames.len(), self.clip.n_frames(), "whoever needs angles has the whole clip");
         let (clip, joint, order) = (self.clip, self.joint, self.order);
         let rotations = &self.rotations;
         self.degrees.get_or_insert_with(|| {

@@ -119,8 +119,8 @@ pub(super) struct Next {
     pub(super) edits: Edits,
     /// What deserves the user's eye.
     pub(super) warnings: Vec<String>,
-    /// What follows from those edits, where that had to be found out anyway.
-    pub(super) solved: Option<Solved>,
+    /// A draft of what follows from those edits, where that had to be found out anyway.
+    pub(super) draft: Option<Solved>,
 }
 
 /// Returns what a change leads to.
@@ -131,7 +131,7 @@ pub(super) struct Next {
 pub(super) fn next(solved: &Solved, change: &Change) -> Result<Next, ChangeError> {
     let mut edits = (*solved.edits).clone();
     let mut warnings = Vec::new();
-    let mut ahead = None;
+    let mut draft = None;
     match change {
         Change::Set { values, shape } => warnings = set(solved, &mut edits, values, *shape)?,
         Change::PlacePoint { point_idx, to } => {
@@ -172,10 +172,10 @@ pub(super) fn next(solved: &Solved, change: &Change) -> Result<Next, ChangeError
             layers::change_keys(solved, &mut edits, *layer_idx, selection, *change)?;
         }
         Change::Pose { layer_idx, frame_idx, change } => {
-            ahead = posing::change(solved, &mut edits, *layer_idx, *frame_idx, change)?;
+            draft = posing::change(solved, &mut edits, *layer_idx, *frame_idx, change)?;
         }
     }
-    Ok(Next { edits, warnings, solved: ahead })
+    Ok(Next { edits, warnings, draft })
 }
 
 fn give(edits: &mut Edits, points: Vec<DVec3>) {

@@ -46,6 +46,13 @@ pub struct Edits {
     pub view: ViewEdits,
 }
 
+impl Edits {
+    /// Tells whether nothing but layers is other than in others.
+    pub(super) fn differ_in_layers(&self, others: &Self) -> bool {
+        self.layers != others.layers && *self == Self { layers: self.layers.clone(), ..others.clone() }
+    }
+}
+
 /// `clip.*`.
 pub type ClipEdits = ClipOptions;
 

@@ -79,13 +79,26 @@ impl Carriage<'_> {
     /// Returns the path frames of all the clip's frames in the cycle that is shown from `first` to `end`.
     fn whole_cycle(&self, first: usize, end: usize) -> Vec<PathFrame> {
         let mut path = self.timing.frames[first..end].to_vec();
-        let start = self.timing.arc_lengths[first] - self.progress[0];
-        // Beyond the end the path is straight, so what an integrator makes of its length is only a shift.
-        let shift = self.new_path.length() - self.timing.path_length;
-        let beyond: Vec<f64> = self.progress[end - first..].iter().map(|s| start + s + shift).collect();
-        path.extend(self.new_path.frames_along(&beyond));
+        let beyond = end - first..self.progress.len();
+        path.extend(frames_beyond(self.new_path, self.timing, self.progress, first, beyond));
         path
     }
+}
+
+/// Returns the path's frames at frames of what walks that a cycle, shown from `first` on, has no more room for: on the path
+/// carried on along its end.
+pub(super) fn frames_beyond(
+    new_path: &NewPath,
+    timing: &Timing,
+    progress: &[f64],
+    first: usize,
+    frames: Range<usize>,
+) -> Vec<PathFrame> {
+    let start = timing.arc_lengths[first] - progress[0];
+    // Beyond the end the path is straight, so what an integrator makes of its length is only a shift.
+    let shift = new_path.length() - timing.path_length;
+    let beyond: Vec<f64> = progress[frames].iter().map(|s| start + s + shift).collect();
+    new_path.frames_along(&beyond)
 }
 
 /// Appends a held cycle, cut to the frames that are shown. `posed` has the poses where nothing is turned.

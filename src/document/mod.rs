@@ -13,6 +13,7 @@ mod history;
 mod holding;
 mod layers;
 mod parameter;
+mod piece;
 mod plants;
 mod posed;
 mod posing;
@@ -45,6 +46,7 @@ pub use plants::PlantRefusal;
 pub use posed::{Base, Cleared, Posed};
 pub use posing::PoseChange;
 pub use project::{FORMAT, Problem, Project, ProjectError};
+use solve::draft;
 pub use solve::solve;
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
@@ -57,6 +59,8 @@ pub use walked::{Loops, Repeat, Walked};
 pub struct Document {
     history: History,
     solved: Arc<Solved>,
+    /// Whether layers that change are shown before they are measured.
+    drafts: bool,
     /// The edits as last saved or opened.
     saved: Arc<Edits>,
     project: Option<PathBuf>,
@@ -68,7 +72,7 @@ impl Document {
         let history = History::new(opened.edits);
         let edits = Arc::clone(history.edits());
         let solved = Arc::new(solve(&opened.source, &edits, None));
-        Self { history, solved, saved: edits, project: opened.project }
+        Self { history, solved, drafts: false, saved: edits, project: opened.project }
     }
 
     /// Returns the edits in use.
@@ -76,9 +80,25 @@ impl Document {
         self.history.edits()
     }
 
-    /// Returns what follows from the edits in use.
+    /// Returns what follows from the edits in use. After [`Document::show_drafts`] its numbers may be those of the edits
+    /// before; see [`Solved::is_measured`].
     pub fn solved(&self) -> &Arc<Solved> {
         &self.solved
+    }
+
+    /// From now on a change of layers alone is there to be shown before it is measured; [`Document::measure`] does that.
+    /// For whoever shows documents to a person and has time between the keys; nobody else sees a number too old.
+    pub fn show_drafts(&mut self) {
+        self.drafts = true;
+    }
+
+    /// Measures what is solved for; false when it is measured already.
+    pub fn measure(&mut self) -> bool {
+        let is_due = !self.solved.is_measured();
+        if is_due {
+            self.solved = Arc::new(solve(&self.solved.source, self.history.edits(), Some(&self.solved)));
+        }
+        is_due
     }
 
     /// Returns how many steps can be undone and redone.
@@ -113,13 +133,13 @@ impl Document {
     ///
     /// When the change cannot be made; then nothing has changed.
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
-        let change::Next { edits, warnings, solved } = change::next(from, change)?;
+        let change::Next { edits, warnings, draft } = change::next(from, change)?;
         match change {
             Change::ResetView => self.history.push_view(edits),
             _ => self.history.push(edits, joins),
         }
-        match solved.filter(|ahead| ahead.edits == *self.edits()) {
-            Some(ahead) => self.solved = Arc::new(Solved { edits: Arc::clone(self.edits()), ..ahead }),
+        match draft.filter(|draft| draft.edits == *self.edits()) {
+            Some(draft) => self.take(Solved { edits: Arc::clone(self.edits()), ..draft }),
             None => self.resolve(),
         }
         Ok(warnings)
@@ -187,8 +207,22 @@ impl Document {
     }
 
     fn resolve(&mut self) {
-        if !Arc::ptr_eq(&self.solved.edits, self.history.edits()) {
-            self.solved = Arc::new(solve(&self.solved.source, self.history.edits(), Some(&self.solved)));
+        let edits = self.history.edits();
+        if Arc::ptr_eq(&self.solved.edits, edits) {
+            return;
+        }
+        if self.drafts && edits.differ_in_layers(&self.solved.edits) {
+            self.take(draft(edits, &self.solved));
+        } else {
+            self.solved = Arc::new(solve(&self.solved.source, edits, Some(&self.solved)));
+        }
+    }
+
+    /// Takes a draft of the edits in use.
+    fn take(&mut self, draft: Solved) {
+        self.solved = Arc::new(draft);
+        if !self.drafts {
+            self.measure();
         }
     }
 }
@@ -230,5 +264,80 @@ mod tests {
         let warnings = document.apply(&set(&[("path.points", 3), ("path.degree", 9)], None), false).expect("raised");
         assert_eq!(warnings, ["path.points raised to 10, which path.degree 9 needs"]);
         assert_eq!(document.solved().control_points().len(), 10);
+    }
+
+    /// Everything that a user or a script can read of a solve as numbers.
+    fn told(solved: &Solved) -> String {
+        let Solved { measures, foot_numbers, strains, warnings, .. } = solved;
+        format!(
+            "{measures:?} {foot_numbers:?} {strains:?} {warnings:?} {:?}",
+            solved.missed_plants().collect::<Vec<_>>()
+        )
+    }
+
+    /// The built-in walk on an eight, with its feet held.
+    fn walking() -> Document {
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        let eight = Change::Set { values: Vec::new(), shape: Some("eight".parse().expect("a shape")) };
+        document.apply(&eight, false).expect("a shape");
+        document
+    }
+
+    /// Changes of poses, keys and layers of every kind, each so large that the walk's numbers show it.
+    fn changes(solved: &Solved) -> Vec<Change> {
+        let (skeleton, height) = (&solved.clip.skeleton, solved.clip.facts.height.value);
+        let joint = |name: &str| skeleton.find(name).expect("a joint of the built-in walk");
+        let pose = |change| Change::Pose { layer_idx: 0, frame_idx: 90, change };
+        let mut world = Vec::new();
+        solved.edited.world_rigids(90, &mut world);
+        let reach = |name: &str, by: glam::DVec3| {
+            let point = joint(name).idx();
+            PoseChange::Reach { point, joints: skeleton.ids().collect(), to: world[point].translation + by * height }
+        };
+        vec![
+            pose(PoseChange::Turn { joint: joint("LeftHip"), axis: glam::DVec3::X, angle_rad: 0.4 }),
+            pose(reach("LeftWrist", glam::DVec3::new(0.1, 0.05, 0.1))),
+            pose(reach("RightAnkle", glam::DVec3::new(0.02, 0.05, 0.04))),
+            pose(PoseChange::MoveCarrier { by: glam::DVec3::Y * -0.3 * height }),
+            Change::Layer(LayerChange::Weigh { layer_idx: 0, weight: 0.5 }),
+            Change::Layer(LayerChange::Switch { layer_idx: 0, on: false }),
+        ]
+    }
+
+    #[test]
+    fn only_who_asks_for_drafts_sees_one_and_measuring_makes_it_what_others_see() {
+        let (mut plain, mut drafting) = (walking(), walking());
+        drafting.show_drafts();
+        let mut n_stale = 0;
+        let same = |plain: &Document, drafting: &Document| {
+            let (a, b) = (plain.solved(), drafting.solved());
+            assert!(a.is_measured() && **plain.edits() == **drafting.edits());
+            assert!(a.to_bvh() == b.to_bvh(), "a draft's poses are the poses");
+            assert_eq!(format!("{:?}", a.strains), format!("{:?}", b.strains));
+            told(a) == told(b)
+        };
+        for change in changes(plain.solved()) {
+            plain.apply(&change, false).expect("a change");
+            drafting.apply(&change, false).expect("a change");
+            assert!(!drafting.solved().is_measured(), "{change:?}");
+            n_stale += usize::from(!same(&plain, &drafting));
+        }
+        assert!(n_stale >= 4, "the numbers of drafts are old ones, or this test shows nothing");
+        assert!(drafting.measure() && !drafting.measure());
+        assert!(drafting.solved().is_measured() && same(&plain, &drafting));
+
+        let fresh = solve(&plain.solved().source, plain.edits(), None);
+        assert_eq!(told(&fresh), told(drafting.solved()), "nothing is left of the drafts on the way");
+
+        // Whatever else is changed is measured at once, a draft before it or not.
+        for document in [&mut plain, &mut drafting] {
+            assert!(document.undo());
+        }
+        assert!(!drafting.solved().is_measured());
+        let clean = Change::Set { values: vec![("plants.clean".to_owned(), true.into())], shape: None };
+        for document in [&mut plain, &mut drafting] {
+            document.apply(&clean, false).expect("a setting");
+        }
+        assert!(drafting.solved().is_measured() && same(&plain, &drafting));
     }
 }

@@ -88,7 +88,7 @@ impl Posed {
             || match same_clip {
                 Some(p) => {
                     let earlier = Stack { clip: &p.clip, base: &p.posed.base.joints, layers: &p.edits.layers };
-                    stack.displaced_again(&earlier, &p.posed.of_clip)
+                    stack.displaced_again(&earlier, &p.posed.of_clip, 0..loaded.clip.n_frames())
                 }
                 None => stack.displaced(),
             },
@@ -101,7 +101,7 @@ impl Posed {
             Some(joined) => reuse(
                 same_joints,
                 |p| &p.posed.displaced,
-                || carried_over(&of_clip, loaded.clip, &walked.clip, &joined.source_frames),
+                || carried_over(&of_clip, loaded.clip, 0, &walked.clip, &joined.source_frames),
             ),
         };
         let residuals = if base.motions.is_empty() || !walks {
@@ -133,7 +133,7 @@ impl Posed {
                 false => EditedClip::unedited(Arc::clone(&walked.clip)),
                 true => {
                     let path = walked.path(loaded.original);
-                    legs_posed(walked, &displaced, &residuals, path, !base.motions.is_empty(), is_leg)
+                    legs_posed(&walked.clip, &displaced, &residuals, path, base.moves_otherwise(), is_leg)
                 }
             },
         );
@@ -163,6 +163,12 @@ impl Posed {
         let mut warnings = stack.warnings();
         warnings.extend(edits.interpolation_keys.and_then(|keys| keys.warning(loaded.clip)));
         Self { base, of_clip, displaced, residuals, bears, legs, prepared, turning, warnings }
+    }
+
+    /// Tells whether a joint bears no leg that can be held.
+    pub(super) fn is_free(&self, joint: JointId) -> bool {
+        let skeleton = &self.legs.clip.skeleton;
+        !self.prepared.legs().any(|leg| skeleton.is_within(leg.ankle, joint))
     }
 
     /// Returns where the carrier is at a frame of what walks, `at` being the path's frame there.
@@ -203,6 +209,11 @@ impl Posed {
 }
 
 impl Base {
+    /// Tells whether the carrier has motions of its own in place of the clip's.
+    pub(super) fn moves_otherwise(&self) -> bool {
+        !self.motions.is_empty()
+    }
+
     fn of(edits: &Edits, loaded: &Loaded, walks: bool) -> Self {
         let clip = &**loaded.clip;
         let (cleared, keys) = (edits.cleared, edits.interpolation_keys);
@@ -251,13 +262,19 @@ fn rest_rotation(clip: &Clip, joint: JointId) -> DQuat {
     if is_root { clip.facts.up.value.world_rotation() } else { DQuat::IDENTITY }
 }
 
-/// Turns the joints of a clip joined to itself by what layers turn those of the clip by.
-fn carried_over(of_clip: &Displaced, clip: &Clip, joined: &Clip, source_frames: &[u32]) -> Displaced {
+/// Turns the joints of a clip joined to itself by what layers turn those of the clip by, which begins at a frame of it.
+pub(super) fn carried_over(
+    of_clip: &Displaced,
+    clip: &Clip,
+    first: usize,
+    joined: &Clip,
+    source_frames: &[u32],
+) -> Displaced {
     let turned = |turned: &TurnedJoint| {
         let idx = turned.joint.idx();
         let own = |(frame, &source): (usize, &u32)| {
             let source = source as usize;
-            let (from, to) = (clip.rotations(source)[idx], turned.rotations[source]);
+            let (from, to) = (clip.rotations(source)[idx], turned.rotations[source - first]);
             let at = joined.rotations(frame)[idx];
             if at == from { to } else { at * (from.conjugate() * to) }
         };
@@ -265,19 +282,20 @@ fn carried_over(of_clip: &Displaced, clip: &Clip, joined: &Clip, source_frames: 
     };
     Displaced {
         turned: of_clip.turned.iter().map(turned).collect(),
-        carrier_turns: repeated(&of_clip.carrier_turns, source_frames),
-        offsets: repeated(&of_clip.offsets, source_frames),
+        carrier_turns: repeated(&of_clip.carrier_turns, first, source_frames),
+        offsets: repeated(&of_clip.offsets, first, source_frames),
     }
 }
 
-fn repeated<T: Copy>(values: &[T], source_frames: &[u32]) -> Vec<T> {
-    if values.is_empty() { Vec::new() } else { source_frames.iter().map(|&frame| values[frame as usize]).collect() }
+fn repeated<T: Copy>(values: &[T], first: usize, source_frames: &[u32]) -> Vec<T> {
+    let value = |&frame: &u32| values[frame as usize - first];
+    if values.is_empty() { Vec::new() } else { source_frames.iter().map(value).collect() }
 }
 
 /// Returns what walks as layers have it, on the original path; of the joints only those that legs hang on.
 /// `moves_otherwise`: the residuals are not its own.
-fn legs_posed(
-    walked: &Walked,
+pub(super) fn legs_posed(
+    clip: &Arc<Clip>,
     displaced: &Displaced,
     residuals: &Residuals,
     path: &[PathFrame],
@@ -288,11 +306,11 @@ fn legs_posed(
         let at = &path[frame];
         displaced.carrier(frame, residuals.apply(frame, at), at.rotation(residuals.frame))
     };
-    let is_placed = walked.clip.facts.path_editable && (displaced.moves_carrier() || moves_otherwise);
+    let is_placed = clip.facts.path_editable && (displaced.moves_carrier() || moves_otherwise);
     EditedClip {
         carrier_world: if is_placed { listed(path.len(), |range| range.map(place)) } else { Vec::new() },
         turned: displaced.turned.iter().filter(|turned| is_leg(turned.joint)).cloned().collect(),
-        ..EditedClip::unedited(Arc::clone(&walked.clip))
+        ..EditedClip::unedited(Arc::clone(clip))
     }
 }
 

@@ -1,14 +1,22 @@
 //! Editing a pose: what is wanted of it at one frame becomes keys of a layer.
 //!
 //! Joints are moved in the pose that is seen. Where legs that are held hang on them, holding has the last word, and what
-//! it does is corrected after a solve. What a held leg's own joints do is seen only after its foot has been held, so a
-//! leg is moved where holding takes it from, on the original path, towards the place that holding takes to the target.
+//! it does is corrected after a look at it. What a held leg's own joints do is seen only after its foot has been held, so
+//! a leg is moved where holding takes it from, on the original path, towards the place that holding takes to the target.
+//!
+//! Such an edit is tried on a [`Piece`] of the clip, and the whole clip follows it once. What the piece was off by is
+//! known from the pose that is seen already, so the whole clip seldom has to be asked again.
 
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Edits, LayerRefusal, Solved, layers::editable, solve, solve::draft};
+use super::{
+    Edits, LayerRefusal, Solved,
+    layers::editable,
+    piece::{Piece, Seen},
+    solve::draft,
+};
 use crate::{
     displace::{
         Stack, can_turn,
@@ -21,10 +29,14 @@ use crate::{
 };
 
 /// A point that is nearer to its target than this share of the body height is there.
-const THERE: f64 = 5e-5;
-/// Corrections of a foot that is held, at most.
-const CORRECTIONS: usize = 4;
-/// Corrections of what holding the feet does to a hand, at most: two do for all but a body that turns over.
+const THERE: f64 = 7e-5;
+/// On a piece of the clip, where to be nearer costs next to nothing.
+const THERE_ON_PIECE: f64 = 1e-5;
+/// How often the whole clip follows an edit, at most.
+const DRAFTS: usize = 5;
+/// Corrections of a foot that is held, on a piece, at most.
+const CORRECTIONS: usize = 8;
+/// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
 const BODY_CORRECTIONS: usize = 8;
 
 /// What is wanted of a pose. World positions and axes are y-up, in the clip's unit.
@@ -55,8 +67,8 @@ pub enum PoseChange {
     },
 }
 
-/// Makes a pose, at an edited frame, what is wanted; the keys go into a layer. Returns what follows from the edits where
-/// that had to be found out.
+/// Makes a pose, at an edited frame, what is wanted; the keys go into a layer. Returns a draft of what follows from the
+/// edits where that had to be found out.
 ///
 /// # Errors
 ///
@@ -145,9 +157,7 @@ impl Wish<'_> {
 
     /// Tells whether no leg that is held hangs on a joint.
     fn is_free(&self, joint: JointId) -> bool {
-        let skeleton = &self.solved.clip.skeleton;
-        let mut legs = self.solved.posed.prepared.legs();
-        self.solved.holding.is_none() || !legs.any(|leg| skeleton.is_within(leg.ankle, joint))
+        self.solved.holding.is_none() || self.solved.posed.is_free(joint)
     }
 
     /// Returns how joints turn so that the point of a pose gets to a target.
@@ -163,77 +173,130 @@ impl Wish<'_> {
         self.at(&ik::turned_world(&self.solved.clip.skeleton, world, turns))
     }
 
-    /// Moves the point by joints of which some bear legs that are held; returns what follows.
-    ///
-    /// All joints turn in the pose that is seen. Holding the feet then takes the carrier a little elsewhere, and what is
-    /// missing is left to the joints that bear no leg: they move no foot, so it is exact. Only what they cannot do is
-    /// done by all once more.
-    fn reach_beside(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
-        let near = THERE * self.solved.clip.facts.height.value;
-        let free: Vec<JointId> = self.chain.iter().copied().filter(|&joint| self.is_free(joint)).collect();
-        let turns = self.turns(&self.chain, &pose(self.solved, self.frame_idx), to);
-        key_turns(self.solved, edits, self.layer_idx, self.frame_idx, &turns)?;
-        let mut made = draft(&Arc::new(edits.clone()), self.solved);
-        for _ in 0..BODY_CORRECTIONS {
-            let world = pose(&made, self.frame_idx);
-            let turns = self.turns(&self.chain, &world, to);
-            let nearest = self.after(&world, &turns);
-            if self.at(&world).distance(nearest) < near {
-                break;
-            }
-            let free_turns = self.turns(&free, &world, to);
-            if self.after(&world, &free_turns).distance(nearest) < near {
-                key_turns(&made, edits, self.layer_idx, self.frame_idx, &free_turns)?;
-                break;
-            }
-            key_turns(&made, edits, self.layer_idx, self.frame_idx, &turns)?;
-            made = draft(&Arc::new(edits.clone()), &made);
-        }
-        Ok(solve(&made.source, &Arc::new(edits.clone()), Some(&made)))
-    }
-
     /// Returns where the point is in a pose.
     fn at(&self, world: &[Rigid]) -> DVec3 {
         ik::point_position(&self.solved.clip.skeleton, world, self.point)
     }
 
+    /// Keys turns of joints at the frame.
+    fn key(&self, edits: &mut Edits, turns: &[JointTurn]) -> Result<(), LayerRefusal> {
+        key_turns(self.solved, edits, self.layer_idx, self.frame_idx, turns)
+    }
+
+    /// Moves the point by joints of which some bear legs that are held; returns what follows.
+    ///
+    /// What the piece finds is good for the clip but for a little, which is left to the joints that bear no leg: they
+    /// move no foot, so it is exact. Only what they cannot do is done by all once more.
+    fn reach_beside(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
+        let near = THERE * self.height();
+        let piece = Piece::around(self.solved, self.frame_idx);
+        let mut on_piece = piece.with(&self.solved.edits);
+        let mut made = None::<Solved>;
+        for _ in 0..DRAFTS {
+            let now = made.as_ref().unwrap_or(self.solved);
+            let off = self.at(&on_piece.held) - self.at(&pose(now, self.frame_idx));
+            on_piece = self.body_on_piece(&piece, on_piece, edits, to + off)?;
+            let drafted = draft(&Arc::new(edits.clone()), now);
+            let world = pose(&drafted, self.frame_idx);
+            let nearest = self.after(&world, &self.turns(&self.chain, &world, to));
+            if self.at(&world).distance(nearest) < near {
+                return Ok(drafted);
+            }
+            let free = self.turns(&self.free(), &world, to);
+            if self.after(&world, &free).distance(nearest) < near {
+                self.key(edits, &free)?;
+                return Ok(draft(&Arc::new(edits.clone()), &drafted));
+            }
+            made = Some(drafted);
+        }
+        Ok(made.expect("a draft is made at least once"))
+    }
+
+    /// Moves the point of a piece, which is as seen, by all joints of the chain; returns what is seen then.
+    ///
+    /// All joints turn in the pose that is seen. Holding the feet then takes the carrier a little elsewhere, which is
+    /// corrected.
+    fn body_on_piece(&self, piece: &Piece, mut seen: Seen, edits: &mut Edits, to: DVec3) -> Result<Seen, LayerRefusal> {
+        let near = THERE_ON_PIECE * self.height();
+        for _ in 0..BODY_CORRECTIONS {
+            let turns = self.turns(&self.chain, &seen.held, to);
+            if self.at(&seen.held).distance(self.after(&seen.held, &turns)) < near {
+                break;
+            }
+            self.key(edits, &turns)?;
+            seen = piece.with(edits);
+        }
+        Ok(seen)
+    }
+
+    /// Returns the joints of the chain that bear no leg that is held.
+    fn free(&self) -> Vec<JointId> {
+        self.chain.iter().copied().filter(|&joint| self.is_free(joint)).collect()
+    }
+
+    fn height(&self) -> f64 {
+        self.solved.clip.facts.height.value
+    }
+
     /// Moves the point of a leg that is held; returns what follows.
     ///
-    /// What is missing after a try is tried again from there.
+    /// The whole clip follows what the piece finds until it is as near as the piece has it, or no nearer than before.
     fn reach_held(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
+        let near = THERE * self.height();
+        let piece = Piece::around(self.solved, self.frame_idx);
+        let mut on_piece = piece.with(&self.solved.edits);
+        let (mut least, mut best) = (f64::INFINITY, None::<Solved>);
+        for _ in 0..DRAFTS {
+            let now = best.as_ref().unwrap_or(self.solved);
+            let off = self.at(&on_piece.held) - self.at(&pose(now, self.frame_idx));
+            let begin = if best.is_none() { &*edits } else { &*now.edits };
+            let (tried, seen) = self.foot_on_piece(&piece, on_piece, begin.clone(), to + off)?;
+            let made = draft(&Arc::new(tried), now);
+            let missing = self.at(&pose(&made, self.frame_idx)).distance(to);
+            if missing >= least {
+                break;
+            }
+            let expected = self.at(&seen.held).distance(to + off);
+            (least, best, on_piece) = (missing, Some(made), seen);
+            if missing < near.max(expected) {
+                break;
+            }
+        }
+        let made = best.expect("the first try is the best so far");
+        edits.clone_from(&made.edits);
+        Ok(made)
+    }
+
+    /// Moves the point of a leg that is held on a piece, which is as seen; returns the edits and what is seen then.
+    ///
+    /// What is missing after a try is tried again from there.
+    fn foot_on_piece(&self, piece: &Piece, seen: Seen, edits: Edits, to: DVec3) -> Result<(Edits, Seen), LayerRefusal> {
         let skeleton = &self.solved.clip.skeleton;
         // Holding moves a foot as one rigid body.
         let end = match self.point.checked_sub(skeleton.n_joints()) {
             None => self.point,
             Some(site) => skeleton.end_sites()[site].idx(),
         };
-        let near = THERE * self.solved.clip.facts.height.value;
-        let (mut least, mut best) = (f64::INFINITY, None::<Solved>);
-        for _ in 0..=CORRECTIONS {
-            let now = best.as_ref().unwrap_or(self.solved);
-            let seen = pose(now, self.frame_idx);
-            let mut source = Vec::new();
-            now.posed.legs.world_rigids(now.walk.source_frame(self.frame_idx), &mut source);
-            let back = source[end] * seen[end].inverse();
-            let turns = self.turns(&self.chain, &source, back.point(to));
-            let mut tried = (*now.edits).clone();
-            if best.is_none() {
-                tried.clone_from(edits);
-            }
-            key_turns(now, &mut tried, self.layer_idx, self.frame_idx, &turns)?;
-            let made = draft(&Arc::new(tried), now);
-            let off = self.at(&pose(&made, self.frame_idx)).distance(to);
+        let near = THERE_ON_PIECE * self.height();
+        let mut best = (edits, seen);
+        let mut least = f64::INFINITY;
+        for _ in 0..CORRECTIONS {
+            let (edits, seen) = &best;
+            let back = seen.before_holding[end] * seen.held[end].inverse();
+            let turns = self.turns(&self.chain, &seen.before_holding, back.point(to));
+            let mut tried = edits.clone();
+            self.key(&mut tried, &turns)?;
+            let made = piece.with(&tried);
+            let off = self.at(&made.held).distance(to);
             if off >= least {
                 break;
             }
-            (least, best) = (off, Some(made));
+            (least, best) = (off, (tried, made));
             if off < near {
                 break;
             }
         }
-        let made = best.expect("the first try is the best so far");
-        edits.clone_from(&made.edits);
-        Ok(solve(&made.source, &made.edits, Some(&made)))
+        Ok(best)
     }
 }
 

@@ -45,8 +45,8 @@ pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>
     pooled(source.bvh.n_frames(), || solve_stages(source, edits, previous, Wanted::All))
 }
 
-/// Computes the poses that follow from other edits of a source that is solved already: a step on the way to edits whose
-/// [`solve`] is made from it. What is measured of poses takes as long again and stays that of the solve before.
+/// Computes the poses that follow from edits of a source that is solved already with other layers: to be shown, or a
+/// step on the way to others. What is measured of poses takes as long again and stays that of the solve before.
 pub(super) fn draft(edits: &Arc<Edits>, previous: &Solved) -> Solved {
     let source = &previous.source;
     pooled(source.bvh.n_frames(), || solve_stages(source, edits, Some(previous), Wanted::Poses))
@@ -57,7 +57,7 @@ pub(super) fn draft(edits: &Arc<Edits>, previous: &Solved) -> Solved {
 enum Wanted {
     /// Poses, strains and numbers.
     All,
-    /// Poses.
+    /// Poses and strains.
     Poses,
 }
 
@@ -181,7 +181,7 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
             let asked = Asked { clip: &clip, new_path: &new_path, timing: &timing, prepared: &posed.prepared, holding };
             if walks { asked.strains() } else { Vec::new() }
         };
-        reuse(same_carriage.filter(is_measured), |p| &p.strains, asked)
+        reuse(same_carriage, |p| &p.strains, asked)
     };
 
     // What no foot hangs on does not change the feet's numbers.
@@ -192,7 +192,7 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
     let (measures, foot_numbers, strains) = match (same_edit, same_steps) {
         _ if wanted == Wanted::Poses => {
             let p = previous.expect("poses alone are solved for on the way from one solve to the next");
-            (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), Arc::clone(&p.strains))
+            (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains())
         }
         (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains()),
         _ => {

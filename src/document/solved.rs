@@ -74,11 +74,17 @@ pub struct Solved {
     pub foot_numbers: Arc<Vec<FootNumbers>>,
     /// What could not be done as wished, one line each; also the clip's own warnings.
     pub warnings: Vec<String>,
-    /// Whether only poses are solved for: numbers and strains are those of the solve before, and no later one takes them.
+    /// Whether only poses are solved for: numbers are those of the solve before, and no later one takes them.
     pub(super) is_draft: bool,
 }
 
 impl Solved {
+    /// Tells whether `measures` and `foot_numbers` are of these edits. Only a [`super::Document`] that shows drafts has
+    /// results of which they are not.
+    pub fn is_measured(&self) -> bool {
+        !self.is_draft
+    }
+
     /// Tells whether the clip walks the new path: asked for, and possible.
     pub fn walks_new_path(&self) -> bool {
         self.edits.path.edited && self.clip.facts.path_editable

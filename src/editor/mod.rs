@@ -162,6 +162,20 @@ impl Editor {
         self.view.advance(secs, &self.document)
     }
 
+    /// From now on poses and layers that change are shown before they are measured; see [`Document::show_drafts`].
+    pub fn show_drafts(&mut self) {
+        self.document.show_drafts();
+    }
+
+    /// Measures what is shown; false when it is measured already.
+    pub fn measure(&mut self) -> bool {
+        let was_due = self.document.measure();
+        if was_due {
+            self.follow_document();
+        }
+        was_due
+    }
+
     /// Acts on a key.
     pub fn key(&mut self, key: Key) -> Effect {
         self.view.message = None;

@@ -338,7 +338,9 @@ fn feet_rows(editor: &Editor) -> Vec<Row> {
 fn quality_rows(editor: &Editor) -> Vec<Row> {
     let solved = editor.document.solved();
     let measures = &solved.measures;
-    let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.4}"));
+    // Numbers that are being measured anew.
+    let old = if solved.is_measured() { "" } else { " …" };
+    let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.4}{old}"));
     let rms = solved.residual_rms() / solved.clip.facts.height.value;
     let mut rows = vec![
         fact(
@@ -358,7 +360,7 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
         ),
     ];
     let pair =
-        |pair: Option<Pair>| pair.map_or_else(|| "–".to_owned(), |p| format!("{:.4} → {:.4}", p.source, p.edited));
+        |pair: Option<Pair>| pair.map_or_else(|| "–".to_owned(), |p| format!("{:.4} → {:.4}{old}", p.source, p.edited));
     for (foot, numbers) in solved.feet.plants.iter().zip(solved.foot_numbers.iter()) {
         let joint = &solved.clip.skeleton.joint(foot.leg.ankle).name;
         rows.push(fact(
@@ -383,7 +385,7 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
     rows.extend(measures.seam.iter().map(|seam| {
         fact(
             &format!("seam at {}", seam.frame),
-            format!("{:.3} {:.3} {:.3}", seam.position, seam.rotation, seam.velocity),
+            format!("{:.3} {:.3} {:.3}{old}", seam.position, seam.rotation, seam.velocity),
             "Largest step of any joint at the seam: position in body heights, rotation in radians, velocity in body heights a second.".to_owned(),
         )
     }));

@@ -1,6 +1,7 @@
 //! The live score: what the feet do while they stand, source → now, beside the editor's state.
 //!
-//! It is said as fully as the line has room for: with slips, per body height, in the clip's unit.
+//! It is said as fully as the line has room for: with slips, per body height, in the clip's unit. `…` after it: the edits
+//! have changed since and are being measured.
 
 use super::text;
 use crate::{
@@ -13,7 +14,11 @@ use crate::{
 
 /// Returns the two ends of the status line: the score and the state, the fullest pair that fits.
 pub(super) fn fitting(editor: &Editor, width: usize) -> (String, String) {
-    let scores = scores(editor.document().solved());
+    let solved = editor.document().solved();
+    let mut scores = scores(solved);
+    if !solved.is_measured() {
+        scores.iter_mut().for_each(|score| score.push_str(" …"));
+    }
     let states = [state(editor), playback(editor), sign(editor).to_owned()];
     let pairs = scores.iter().flat_map(|score| states.iter().map(move |state| (score, state)));
     let fits = |(score, state): &(&String, &String)| text::width(score) + text::width(state) < width;

@@ -42,7 +42,7 @@ fn main() {
         changed[0].set_rotation("j9", 17, DQuat::from_rotation_x(0.5));
         let stack = Stack { layers: &changed, ..earlier };
         let name = format!("{N_JOINTS} joints, one key changed, {interpolation:?}");
-        time(&name, || _ = black_box(stack.displaced_again(&earlier, &made)));
+        time(&name, || _ = black_box(stack.displaced_again(&earlier, &made, 0..clip.n_frames())));
     }
     for interpolation in Interpolation::ALL {
         let layers = [layer(1, interpolation, 1.0)];

@@ -1,0 +1,219 @@
+//! A piece of what walks, around one frame: edits of a pose are tried on it before the whole clip follows them.
+//!
+//! Holding a foot turns a whole clip, but what it does at a frame is decided within a few steps of it. A piece is cut
+//! out of the stages of a solve, and layers, legs and holding are run on it alone. What comes of it is nearly what comes
+//! of the whole clip: near enough to find an edit by, and the whole clip then tells by how little it was off.
+
+use std::{ops::Range, sync::Arc};
+
+use super::{
+    Edits, Solved, feet,
+    holding::frames_beyond,
+    posed::{carried_over, legs_posed},
+};
+use crate::{
+    constrain::{Job, hold},
+    contact::{FootPlants, Plant},
+    displace::{Displaced, Stack},
+    math::Rigid,
+    motion::{Clip, EditedClip, TurnedJoint},
+    path::{PathFrame, Residuals},
+    skeleton::JointId,
+};
+
+/// Time on either side of the frame, seconds: the carrier's offset forgets within one.
+const AROUND_SECS: f64 = 1.0;
+/// Feet that stand this near to the frame stand in the piece as long as in the clip, seconds.
+const NEAR_SECS: f64 = 0.5;
+
+/// A piece of what walks. Its frames count from its first one.
+pub(super) struct Piece<'a> {
+    solved: &'a Solved,
+    /// The frame it is made for.
+    frame: usize,
+    /// Its frames among those of what walks.
+    of_walk: Range<usize>,
+    /// The new path's frames, carried on where it ends before the piece.
+    path: Vec<PathFrame>,
+    clip: Arc<Clip>,
+    residuals: Residuals,
+    plants: Vec<FootPlants>,
+}
+
+/// World motions of all joints at the frame that a piece is made for.
+pub(super) struct Seen {
+    /// On the original path, the feet not held: of the joints that legs hang on.
+    pub(super) before_holding: Vec<Rigid>,
+    /// On the new path, the feet held.
+    pub(super) held: Vec<Rigid>,
+}
+
+impl<'a> Piece<'a> {
+    /// Cuts a piece out of a clip that walks with its feet held, around an edited frame.
+    pub(super) fn around(solved: &'a Solved, edited_frame: usize) -> Self {
+        // A cycle that is not joined to the one before begins anew, and so does holding.
+        let restarts: &[usize] = if solved.walked.repeat.is_some() { &[] } else { &solved.timing.seams };
+        let n_begun = restarts.partition_point(|&restart| restart <= edited_frame);
+        let begin = n_begun.checked_sub(1).map_or(0, |last| restarts[last]);
+        let n_shown = restarts.get(n_begun).copied().unwrap_or(solved.walk.n_frames()) - begin;
+        let frame = edited_frame - begin;
+
+        // Holding looks beyond where a cycle or the path is cut.
+        let (walked, timing) = (&solved.walked, &solved.timing);
+        let n_frames = walked.clip.n_frames();
+        let n_around = |secs: f64| (secs / walked.clip.frame_time_secs).ceil() as usize;
+        let around = |secs: f64| frame.saturating_sub(n_around(secs))..(frame + n_around(secs) + 1).min(n_frames);
+        let (near, mut of_walk) = (around(NEAR_SECS), around(AROUND_SECS));
+        for plant in walked.plants.iter().flat_map(|foot| &foot.plants) {
+            if plant.first < near.end && near.start <= plant.last {
+                of_walk = of_walk.start.min(plant.first)..of_walk.end.max(plant.last + 1).min(n_frames);
+            }
+        }
+        let cut = EditedClip {
+            source_frames: of_walk.clone().map(|frame| frame as u32).collect(),
+            ..EditedClip::unedited(Arc::clone(&walked.clip))
+        };
+        let n_cut = of_walk.end.min(n_shown);
+        let mut path = timing.frames[begin + of_walk.start..begin + n_cut].to_vec();
+        path.extend(frames_beyond(&solved.new_path, timing, &walked.progress, begin, n_cut..of_walk.end));
+        let residuals = &solved.posed.residuals;
+        Self {
+            solved,
+            frame: frame - of_walk.start,
+            clip: Arc::new(Clip::rearranged(&cut)),
+            residuals: Residuals { frame: residuals.frame, motions: residuals.motions[of_walk.clone()].to_vec() },
+            plants: walked.plants.iter().map(|foot| plants_in(foot, &of_walk)).collect(),
+            path,
+            of_walk,
+        }
+    }
+
+    /// Returns what is seen with these edits, which differ from those that are solved for in their layers alone.
+    pub(super) fn with(&self, edits: &Edits) -> Seen {
+        let displaced = self.displaced(edits);
+        let (base, walked) = (&self.solved.posed.base, &self.solved.walked);
+        let original = &walked.path(&self.solved.original)[self.of_walk.clone()];
+        let path = &self.path[..];
+        let own = |at: usize| self.residuals.apply(at, &original[at]);
+        let carried = |at: usize| {
+            let turn = path[at].rotation(self.residuals.frame);
+            displaced.carrier(at, self.residuals.apply(at, &path[at]), turn)
+        };
+
+        let is_leg = |joint: JointId| !self.solved.posed.is_free(joint);
+        let legs =
+            Arc::new(legs_posed(&self.clip, &displaced, &self.residuals, original, base.moves_otherwise(), is_leg));
+        let own_carrier: Vec<Rigid> =
+            if displaced.moves_carrier() { (0..path.len()).map(own).collect() } else { Vec::new() };
+        let prepared = feet::prepared(&legs, &own_carrier, &self.plants, self.solved.edits.plants.clean, None);
+        let carrier: Vec<Rigid> = (0..path.len()).map(carried).collect();
+        let held = hold(&prepared, &Job { carrier: &carrier, path, original, ground: self.solved.edits.plants.ground });
+        let is_held = |joint: JointId| held.turned.iter().any(|held| held.joint == joint);
+        let laid: Vec<TurnedJoint> = displaced.turned.into_iter().filter(|turned| !is_held(turned.joint)).collect();
+        let edited = EditedClip {
+            carrier_world: held.carrier,
+            turned: held.turned.into_iter().chain(laid).collect(),
+            ..EditedClip::unedited(Arc::clone(&self.clip))
+        };
+
+        let mut seen = Seen { before_holding: Vec::new(), held: Vec::new() };
+        legs.world_rigids(self.frame, &mut seen.before_holding);
+        edited.world_rigids(self.frame, &mut seen.held);
+        seen
+    }
+
+    /// Lays the layers on the piece.
+    fn displaced(&self, edits: &Edits) -> Displaced {
+        let Solved { clip, posed, walked, .. } = self.solved;
+        let base = &posed.base.joints;
+        let stack = Stack { clip, base, layers: &edits.layers };
+        let earlier = Stack { clip, base, layers: &self.solved.edits.layers };
+        match &walked.joined {
+            None => stack.displaced_again(&earlier, &posed.of_clip, self.of_walk.clone()),
+            Some(joined) => {
+                let sources = &joined.source_frames[self.of_walk.clone()];
+                let first = *sources.iter().min().expect("a frame") as usize;
+                let last = *sources.iter().max().expect("a frame") as usize;
+                let of_clip = stack.displaced_again(&earlier, &posed.of_clip, first..last + 1);
+                carried_over(&of_clip, clip, first, &self.clip, sources)
+            }
+        }
+    }
+}
+
+/// Returns a foot's plants as a range of frames has them.
+fn plants_in(foot: &FootPlants, frames: &Range<usize>) -> FootPlants {
+    let plants = foot.plants.iter().filter(|plant| plant.first < frames.end && frames.start <= plant.last);
+    let cut = |plant: &Plant| Plant {
+        first: plant.first.max(frames.start) - frames.start,
+        last: plant.last.min(frames.end - 1) - frames.start,
+        ..*plant
+    };
+    FootPlants { plants: plants.map(cut).collect(), ..foot.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::{
+        displace::Layer,
+        document::{open, solve},
+        path::{Shape, ShapeKind, shape_points},
+    };
+
+    /// The built-in walk along a bent path, solved with some parameters and layers.
+    fn solved(cycling: crate::path::Cycling, longer: f64, layers: Vec<Layer>) -> Solved {
+        let opened = open(None).expect("the built-in clip");
+        let mut edits = opened.edits;
+        let plain = solve(&opened.source, &Arc::new(edits.clone()), None);
+        let shape = Shape { kind: ShapeKind::Eight, size: 1.0 };
+        let points = shape_points(shape, &plain.original, 16, 3);
+        edits.path.points = points.len();
+        let up = plain.clip.facts.up.value;
+        edits.path.control_points = Some(points.into_iter().map(|p| up.to_file(longer * p)).collect());
+        edits.timing.cycling = cycling;
+        edits.layers = layers;
+        solve(&opened.source, &Arc::new(edits), None)
+    }
+
+    /// A layer that bends knees, turns the hips and moves the carrier, at every frame.
+    fn crouched() -> Layer {
+        let mut layer = Layer::new("crouched");
+        for (name, axis, angle) in [("LeftKnee", DVec3::X, 0.2), ("LeftHip", DVec3::X, -0.1), ("Hips", DVec3::Y, 0.1)] {
+            layer.set_rotation(name, 40, DQuat::from_axis_angle(axis, angle));
+            layer.set_rotation(name, 140, DQuat::from_axis_angle(axis, -angle));
+        }
+        layer.position.set(60, DVec3::new(1.0, -2.0, 0.5));
+        layer
+    }
+
+    #[test]
+    fn what_an_edit_moves_on_a_piece_it_moves_in_the_clip() {
+        use crate::path::Cycling::{Blended, Plain};
+        for (cycling, longer) in [(Plain, 1.0), (Plain, 2.5), (Blended, 2.5)] {
+            let before = solved(cycling, longer, Vec::new());
+            let after = solved(cycling, longer, vec![crouched()]);
+            let height = before.clip.facts.height.value;
+            let n = before.edited.n_frames();
+            for frame in [0, n / 5, n / 2, 4 * n / 5, n - 1] {
+                let piece = Piece::around(&before, frame);
+                let [was, is] = [&before, &after].map(|solved| {
+                    let mut world = Vec::new();
+                    solved.edited.world_rigids(frame, &mut world);
+                    (piece.with(&solved.edits), world)
+                });
+                let mut moved = 0.0f64;
+                for joint in 0..before.clip.skeleton.n_joints() {
+                    let on_piece = is.0.held[joint].translation - was.0.held[joint].translation;
+                    let in_clip = is.1[joint].translation - was.1[joint].translation;
+                    moved = moved.max(in_clip.length());
+                    let off = on_piece.distance(in_clip) / height;
+                    assert!(off < 2e-3, "{cycling:?} {longer} frame {frame} joint {joint}: off by {off}");
+                }
+                assert!(moved > 0.01 * height, "the edit is seen at frame {frame}");
+            }
+        }
+    }
+}
