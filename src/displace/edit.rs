@@ -57,6 +57,24 @@ impl Stack<'_> {
         self.settled(layer_idx, joint, frame, value, self.rotation(joint, frame)).unwrap_or(value)
     }
 
+    /// Returns what a layer adds to a joint's rotation channels, weight included: degrees at the clip's frames, in the
+    /// order of [the joint's channels](crate::motion::RotationOrder::axes).
+    ///
+    /// None in quaternion mode, and for a joint that cannot have a map.
+    pub fn channel_offsets(&self, layer_idx: usize, joint: JointId) -> Option<Vec<DVec3>> {
+        let layer = &self.layers[layer_idx];
+        let curve = layer.interpolation.curve()?;
+        if !super::can_turn(self.clip, joint) {
+            return None;
+        }
+        let Some((_, _, keys)) = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx) else {
+            return Some(vec![DVec3::ZERO; self.clip.n_frames()]);
+        };
+        let mut offsets = self.below(layer_idx, joint).channel_offsets(curve, keys);
+        offsets.iter_mut().for_each(|offset| *offset *= layer.effect());
+        Some(offsets)
+    }
+
     /// Returns the offset that a layer's position map holds at a frame: a key of it changes nothing there.
     pub fn position_here(&self, layer_idx: usize, frame: usize) -> DVec3 {
         self.layer_offset(&self.layers[layer_idx], frame)
