@@ -40,6 +40,12 @@ fn rows_are_chosen_and_stepped() {
     check("j+", "path | path.degree 4 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("jj+", "path | path.points 9 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("jj+<tab>u", "original | original.degree auto | point 1 | frame 0 | camera 1 | undo 0 redo 1");
+    let auto = editor().document().solved().original.degree();
+    for (keys, degree) in [("<tab>+", auto + 1), ("<tab>]", auto + 10), ("<tab>++-", auto + 1)] {
+        let mut e = editor();
+        e.keys(keys);
+        assert_eq!(e.document().solved().original.degree(), degree, "{keys}: auto steps from the degree in use");
+    }
     check("jj]", "path | path.points 18 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("j<backspace>", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
     check("+", "path | path.edited off | point 1 | frame 0 | camera 1 | undo 1 redo 0");

@@ -164,8 +164,9 @@ impl Parameter {
     }
 
     /// Returns the value that `n` key presses make of the present one: switches flip, choices go round, numbers step
-    /// within their range; none where a key press has no meaning.
-    pub fn stepped(&self, edits: &Edits, n: i64, big: bool) -> Option<Value> {
+    /// within their range; none where a key press has no meaning. A count that is `auto` steps from the number in use,
+    /// [`super::Solved::in_use`]; without one it becomes its least.
+    pub fn stepped(&self, edits: &Edits, in_use: Option<i64>, n: i64, big: bool) -> Option<Value> {
         let now = self.get(edits);
         match self.kind {
             Kind::Switch => Some(Value::Boolean(!now.as_bool()?)),
@@ -179,7 +180,7 @@ impl Parameter {
                 Some(Value::Integer(numbers[(at + n.signum()).rem_euclid(numbers.len() as i64) as usize]))
             }
             Kind::Count { min, max, step, auto } => {
-                let Some(now) = now.as_integer() else { return Some(Value::Integer(min)) };
+                let Some(now) = now.as_integer().or(in_use) else { return Some(Value::Integer(min)) };
                 let next = now + n * if big { 10 * step } else { step };
                 Some(if auto && next < min { word("auto") } else { Value::Integer(next.clamp(min, max)) })
             }

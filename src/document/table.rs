@@ -478,7 +478,7 @@ mod tests {
             assert_eq!(edits, Edits::default(), "{}", p.name);
             assert!(p.doc.ends_with('.'), "{}", p.name);
             for (n, big) in [(1, false), (-1, false), (1, true), (-1, true), (1000, true), (-1000, true)] {
-                if let Some(value) = p.stepped(&edits, n, big) {
+                if let Some(value) = p.stepped(&edits, None, n, big) {
                     p.set(&mut edits, &value).unwrap_or_else(|e| panic!("{e}"));
                 }
             }
@@ -488,10 +488,16 @@ mod tests {
     #[test]
     fn steps_do_what_keys_promise() {
         let edits = Edits::default();
-        let step = |name: &str, n, big| parameter(name).expect("a row").stepped(&edits, n, big).map(|v| show_value(&v));
+        let from = |name: &str, in_use, n, big| {
+            parameter(name).expect("a row").stepped(&edits, in_use, n, big).map(|v| show_value(&v))
+        };
+        let step = |name: &str, n, big| from(name, None, n, big);
         assert_eq!(step("path.points", 1, false).as_deref(), Some("9"));
         assert_eq!(step("path.points", -1, true).as_deref(), Some("2"));
         assert_eq!(step("original.degree", 1, false).as_deref(), Some("1"));
+        assert_eq!(from("original.degree", Some(7), 1, false).as_deref(), Some("8"));
+        assert_eq!(from("original.degree", Some(7), -1, true).as_deref(), Some("auto"));
+        assert_eq!(from("path.points", Some(20), 1, false).as_deref(), Some("9"), "only auto has another in use");
         assert_eq!(step("heading.window", 1, false).as_deref(), Some("0.55"));
         assert_eq!(step("timing.cycling", -1, false).as_deref(), Some("blended"));
         assert_eq!(step("show.ground", 1, false).as_deref(), Some("false"));

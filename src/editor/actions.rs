@@ -94,8 +94,7 @@ pub(super) fn step_value(editor: &mut Editor, command: &'static str, name: &str,
     if name.starts_with("show.") && views::are_several(editor) {
         return views::toggle(editor, command, name);
     }
-    let parameter = parameter(name).expect("the command table names parameters of the table");
-    if let Some(value) = parameter.stepped(editor.document.edits(), n, big) {
+    if let Some(value) = stepped(editor, name, n, big) {
         let text = crate::document::show_value(&value);
         editor.set(command, name, value);
         if editor.view.message.is_none() {
@@ -120,7 +119,8 @@ pub(super) fn step_row(editor: &mut Editor, command: &'static str, n: i64, big: 
 }
 
 fn stepped(editor: &Editor, name: &str, n: i64, big: bool) -> Option<Value> {
-    parameter(name).ok()?.stepped(editor.document.edits(), n, big)
+    let parameter = parameter(name).expect("rows and commands name parameters of the table");
+    parameter.stepped(editor.document.edits(), editor.document.solved().in_use(name), n, big)
 }
 
 pub(super) fn default_row(editor: &mut Editor, command: &'static str) -> Effect {
