@@ -78,6 +78,11 @@ fn values_are_typed() {
         ":original.degree=13<enter><tab>",
         "original | original.degree 13 | point 1 | frame 0 | camera 1 | undo 1 redo 0",
     );
+    let mut carrier = editor();
+    carrier.keys(":clip.carrier=Hisp<enter>");
+    assert!(carrier.prompt().is_some(), "a wrong name can be corrected");
+    assert!(carrier.view().message.as_ref().is_some_and(|m| m.text.contains("did you mean `Hips`? (the joints are ")));
+    assert_eq!(carrier.document().edits().clip.carrier, None);
     let mut wrong = editor();
     wrong.keys("j<enter>99<enter>");
     assert!(wrong.prompt().is_some(), "a wrong value can be corrected");

@@ -14,7 +14,7 @@ use super::{
     layers,
     parameter::{MAX_POINTS, SetError},
     plants, posing, solve,
-    table::parameter,
+    table::{check_carrier, parameter},
 };
 use crate::{
     contact::PlantChange,
@@ -194,6 +194,10 @@ fn set(
     for (name, value) in values.iter().filter(|(name, _)| name != points_name) {
         parameter(name)?.set(edits, value)?;
     }
+    if values.iter().any(|(name, _)| name == "clip.carrier") {
+        let joints: Vec<&str> = solved.clip.skeleton.joints().iter().map(|joint| joint.name.as_str()).collect();
+        check_carrier(edits, &joints)?;
+    }
     let needed = edits.path.degree + 1;
     let given = values.iter().rev().find(|(name, _)| name == points_name);
     if let Some((name, value)) = given {
@@ -212,7 +216,8 @@ fn set(
     if let Some(shape) = shape {
         let original = original_path(&solved.source, edits, solved);
         let raised = edits.path.points.max(shape.min_points(edits.path.degree));
-        if raised > edits.path.points {
+        // What nobody asked for is no wish that is not met.
+        if raised > edits.path.points && values.iter().any(|(name, _)| name == "path.points") {
             warnings.push(format!("path.points raised to {raised}, which the shape needs"));
         }
         let points = path::shape_points(shape, &original.original, raised, edits.path.degree);

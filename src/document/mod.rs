@@ -231,4 +231,32 @@ mod tests {
         assert_eq!(warnings, ["path.points raised to 10, which path.degree 9 needs"]);
         assert_eq!(document.solved().control_points().len(), 10);
     }
+
+    #[test]
+    fn a_shape_takes_the_points_it_needs_and_says_so_only_to_who_asked_for_fewer() {
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        let mut shape = |values: &[(&str, i64)]| {
+            let values = values.iter().map(|(name, v)| ((*name).to_owned(), toml::Value::Integer(*v))).collect();
+            document.apply(&Change::Set { values, shape: Some("circle".parse().expect("a shape")) }, false)
+        };
+        assert_eq!(shape(&[]), Ok(Vec::new()));
+        let raised = "path.points raised to 9, which the shape needs".to_owned();
+        assert_eq!(shape(&[("path.points", 5)]), Ok(vec![raised]));
+        assert_eq!(shape(&[("path.points", 12)]), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn a_carrier_is_one_of_the_clips_joints() {
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        let mut carrier = |name: &str| {
+            let values = vec![("clip.carrier".to_owned(), toml::Value::String(name.to_owned()))];
+            document.apply(&Change::Set { values, shape: None }, false).map_err(|error| error.to_string())
+        };
+        let words = carrier("Hisp").expect_err("no joint");
+        let expected =
+            "`clip.carrier` takes a joint's name or auto, found `Hisp`; did you mean `Hips`? (the joints are Hips, ";
+        assert!(words.starts_with(expected) && words.contains(", Chest, "), "{words}");
+        assert_eq!(carrier("Hips"), Ok(Vec::new()));
+        assert_eq!(carrier("auto"), Ok(Vec::new()));
+    }
 }

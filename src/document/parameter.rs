@@ -86,7 +86,7 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SetError {
     /// No row has this name.
-    #[error("there is no parameter `{name}`{}", did_you_mean(.near))]
+    #[error("there is no parameter `{name}`{}", did_you_mean(.near.as_deref()))]
     Unknown {
         /// The name as given.
         name: String,
@@ -113,6 +113,23 @@ pub enum SetError {
         /// What is wrong with it.
         problem: String,
     },
+    /// No joint of the clip has this name.
+    #[error(
+        "`{name}` takes {}, found `{found}`{} (the joints are {})",
+        Kind::Joint.in_words(),
+        did_you_mean(.near.as_deref()),
+        .joints.join(", ")
+    )]
+    NoJoint {
+        /// The parameter.
+        name: &'static str,
+        /// The name as given.
+        found: String,
+        /// A joint whose name is nearly it.
+        near: Option<String>,
+        /// Names of the clip's joints.
+        joints: Vec<String>,
+    },
     /// Control points were given, but not enough for the degree.
     #[error("a path of degree {degree} needs at least {} control points, found {found}", degree + 1)]
     TooFewPoints {
@@ -123,7 +140,7 @@ pub enum SetError {
     },
 }
 
-fn did_you_mean(near: &Option<&'static str>) -> String {
+fn did_you_mean(near: Option<&str>) -> String {
     near.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default()
 }
 

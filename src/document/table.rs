@@ -6,7 +6,7 @@
 use toml::Value;
 
 use super::{
-    Axes, entries,
+    Axes, Edits, entries,
     parameter::{Kind, MAX_POINTS, Parameter, SetError, Step},
     table_pictures::{CAMERAS, SHOW, WINDOWS},
     value::{admitted, as_vector, choice_of, count, float, frame, switch, vector, word, word_of},
@@ -42,13 +42,31 @@ impl Table {
 pub fn parameter(name: &str) -> Result<&'static Parameter, SetError> {
     PARAMETERS.iter().find(|p| p.name == name).ok_or_else(|| SetError::Unknown {
         name: name.to_owned(),
-        near: PARAMETERS
-            .iter()
-            .map(|p| (edit_distance(name, p.name), p.name))
-            .filter(|(distance, _)| *distance <= 3)
-            .min()
-            .map(|(_, near)| near),
+        near: nearest(name, PARAMETERS.iter().map(|p| p.name)),
     })
+}
+
+/// Checks that the carrier asked for is one of the clip's joints.
+///
+/// # Errors
+///
+/// When it is none; the error names a near one and lists them all.
+pub(super) fn check_carrier(edits: &Edits, joints: &[&str]) -> Result<(), SetError> {
+    match &edits.clip.carrier {
+        Some(name) if !joints.contains(&name.as_str()) => Err(SetError::NoJoint {
+            name: "clip.carrier",
+            found: name.clone(),
+            near: nearest(name, joints.iter().copied()).map(str::to_owned),
+            joints: joints.iter().map(ToString::to_string).collect(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Returns the name that is nearly this one.
+fn nearest<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let distances = names.map(|known| (edit_distance(name, known), known));
+    distances.filter(|(distance, _)| *distance <= 3).min().map(|(_, near)| near)
 }
 
 const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain), ("blended", Cycling::Blended)];
@@ -400,7 +418,7 @@ fn edit_distance(a: &str, b: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Edits, parse_assignment, show_value};
+    use crate::document::{parse_assignment, show_value};
 
     fn check(text: &str, expected: Result<&str, &str>) {
         let (name, value) = parse_assignment(text).expect("an assignment");
