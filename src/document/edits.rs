@@ -46,6 +46,14 @@ pub struct Edits {
     pub view: ViewEdits,
 }
 
+impl Edits {
+    /// Returns the edits without what only says how one looks at them: what is drawn, from where, and how fast it plays.
+    pub(super) fn work(&self) -> Self {
+        let timing = TimingEdits { speed: TimingEdits::default().speed, ..self.timing };
+        Self { view: ViewEdits::default(), timing, ..self.clone() }
+    }
+}
+
 /// `clip.*`.
 pub type ClipEdits = ClipOptions;
 

@@ -40,7 +40,7 @@ pub use footprint::{Footprint, SourcePrint};
 pub use history::History;
 pub use holding::Holding;
 pub use layers::{KeyChange, LayerChange, LayerRefusal};
-pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
+pub use parameter::{Kind, MAX_POINTS, NoJoint, Parameter, SetError, Step, parse_assignment, show_value};
 pub use plants::PlantRefusal;
 pub use posed::{Base, Cleared, Posed};
 pub use posing::PoseChange;
@@ -86,14 +86,26 @@ impl Document {
         self.history.depth()
     }
 
+    /// Returns what the step was that undo takes back, for people.
+    pub fn undoable(&self) -> Option<&str> {
+        self.history.undoable()
+    }
+
+    /// Returns what the step was that redo makes again, for people.
+    pub fn redoable(&self) -> Option<&str> {
+        self.history.redoable()
+    }
+
     /// Returns the project file, if there is one yet.
     pub fn project(&self) -> Option<&Path> {
         self.project.as_deref()
     }
 
-    /// Tells whether there are edits that no project file has.
+    /// Tells whether there are edits that no project file has and that matter: what is looked at, from where and how
+    /// fast is saved with them, but is no work to lose.
     pub fn is_modified(&self) -> bool {
-        *self.saved != **self.edits()
+        let now = self.edits();
+        **now != *self.saved && now.work() != self.saved.work()
     }
 
     /// Makes a change and solves; with `joins` it is one step with the one before. Returns warnings of the change.
@@ -115,8 +127,8 @@ impl Document {
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
         let change::Next { edits, warnings, solved } = change::next(from, change)?;
         match change {
-            Change::ResetView => self.history.push_view(edits),
-            _ => self.history.push(edits, joins),
+            Change::ResetView => self.history.push_view(edits, change.to_string()),
+            _ => self.history.push(edits, joins, change.to_string()),
         }
         match solved.filter(|ahead| ahead.edits == *self.edits()) {
             Some(ahead) => self.solved = Arc::new(Solved { edits: Arc::clone(self.edits()), ..ahead }),

@@ -114,22 +114,8 @@ pub enum SetError {
         problem: String,
     },
     /// No joint of the clip has this name.
-    #[error(
-        "`{name}` takes {}, found `{found}`{} (the joints are {})",
-        Kind::Joint.in_words(),
-        did_you_mean(.near.as_deref()),
-        .joints.join(", ")
-    )]
-    NoJoint {
-        /// The parameter.
-        name: &'static str,
-        /// The name as given.
-        found: String,
-        /// A joint whose name is nearly it.
-        near: Option<String>,
-        /// Names of the clip's joints.
-        joints: Vec<String>,
-    },
+    #[error(transparent)]
+    NoJoint(Box<NoJoint>),
     /// Control points were given, but not enough for the degree.
     #[error("a path of degree {degree} needs at least {} control points, found {found}", degree + 1)]
     TooFewPoints {
@@ -138,6 +124,25 @@ pub enum SetError {
         /// How many were given.
         found: usize,
     },
+}
+
+/// A joint's name that no joint of the clip has.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "`{name}` takes {}, found `{found}`{} (the joints are {})",
+    Kind::Joint.in_words(),
+    did_you_mean(.near.as_deref()),
+    .joints.join(", ")
+)]
+pub struct NoJoint {
+    /// The parameter.
+    pub name: &'static str,
+    /// The name as given.
+    pub found: String,
+    /// A joint whose name is nearly it.
+    pub near: Option<String>,
+    /// Names of the clip's joints.
+    pub joints: Vec<String>,
 }
 
 fn did_you_mean(near: Option<&str>) -> String {

@@ -7,7 +7,7 @@ use toml::Value;
 
 use super::{
     Axes, Edits, entries,
-    parameter::{Kind, MAX_POINTS, Parameter, SetError, Step},
+    parameter::{Kind, MAX_POINTS, NoJoint, Parameter, SetError, Step},
     table_pictures::{CAMERAS, SHOW, WINDOWS},
     value::{admitted, as_vector, choice_of, count, float, frame, switch, vector, word, word_of},
 };
@@ -53,12 +53,12 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, SetError> {
 /// When it is none; the error names a near one and lists them all.
 pub(super) fn check_carrier(edits: &Edits, joints: &[&str]) -> Result<(), SetError> {
     match &edits.clip.carrier {
-        Some(name) if !joints.contains(&name.as_str()) => Err(SetError::NoJoint {
+        Some(name) if !joints.contains(&name.as_str()) => Err(SetError::NoJoint(Box::new(NoJoint {
             name: "clip.carrier",
             found: name.clone(),
             near: nearest(name, joints.iter().copied()).map(str::to_owned),
             joints: joints.iter().map(ToString::to_string).collect(),
-        }),
+        }))),
         _ => Ok(()),
     }
 }
