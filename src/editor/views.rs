@@ -138,7 +138,8 @@ fn tell_camera(editor: &mut Editor, more: &str) {
     if editor.view.message.is_none() {
         let views = views(&editor.document, &editor.view, editor.view.window);
         let title = &views[editor.view.focused()].title;
-        editor.say(Message::note(format!("camera {title}{more}")));
+        let view = editor.view_in_focus();
+        editor.say(Message::note(format!("{view}camera {title}{more}")));
     }
 }
 
