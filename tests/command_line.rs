@@ -112,6 +112,9 @@ fn maps_prints_the_keys_of_a_project() {
          frame      3  Neck  0.000° about [0.000, 0.000, 0.000]\n  \
          frame      7  position  lateral 0.2500  up 0.0000  forward -1.0000\ninterpolated between frames 10 and 20\n"
     );
+    let far = "layer=[{name='far', position=[{frame=7, value=[1e300,-2.5e9,123456.78]}]}]";
+    let far = done(&["maps", "--set", far]);
+    assert!(far.ends_with("lateral 1.0000e300  up -2.5000e9  forward 123456.7800\n"), "{far}");
     let neck = done(&["maps", "--set", layer, "--joint", "Neck"]);
     assert_eq!(neck.lines().count(), 2, "{neck}");
     let value = json(&["maps", "--json", "--position", "--set", layer]);
@@ -314,6 +317,12 @@ fn wrong_words_and_bad_files_are_refused_with_their_place() {
 
     refused(&["info", text(&bad)], 1, "bad.bvh:4:12");
     refused(&["info", text(&project)], 1, "bad.toml:3:1");
+    let carried = folder.path().join("carried.toml");
+    std::fs::write(&carried, "format = 1\n\n[clip]\nup = \"y\"\ncarrier = \"Hip\"\n").expect("written");
+    let joints =
+        "`clip.carrier` takes a joint's name or auto, found `Hip`; did you mean `Hips`? (the joints are Hips, ";
+    refused(&["info", text(&carried)], 1, &format!("carried.toml:5:1: {joints}"));
+    refused(&["info", "--set", "clip.carrier=Hip"], 2, joints);
     refused(&["info", "no such file.bvh"], 1, "no such file.bvh");
     refused(&["export", "-o", text(&kept)], 1, "--force");
     assert_eq!(std::fs::read(&kept).expect("kept"), b"mine");
@@ -325,6 +334,7 @@ fn wrong_words_and_bad_files_are_refused_with_their_place() {
     refused(&["info", "--shape", "heart"], 2, "heart");
     refused(&["export"], 2, "--output");
     refused(&["render", "-o", "x.png", "--camera", "5"], 2, "5");
+    refused(&["render", "-o", "a/x.jpg"], 2, "a/x.jpg: pictures are written as PNG; name it a/x.png");
     refused(&["render", "-o", "x.png", "--views", "3"], 2, "1, 2, 4");
     refused(&["render", "-o", "x.png", "--frame", "999999"], 2, "--frame");
     refused(&["dance", "--now"], 2, "--now");

@@ -40,6 +40,12 @@ fn rows_are_chosen_and_stepped() {
     check("j+", "path | path.degree 4 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("jj+", "path | path.points 9 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("jj+<tab>u", "original | original.degree auto | point 1 | frame 0 | camera 1 | undo 0 redo 1");
+    let auto = editor().document().solved().original.degree();
+    for (keys, degree) in [("<tab>+", auto + 1), ("<tab>]", auto + 10), ("<tab>++-", auto + 1)] {
+        let mut e = editor();
+        e.keys(keys);
+        assert_eq!(e.document().solved().original.degree(), degree, "{keys}: auto steps from the degree in use");
+    }
     check("jj]", "path | path.points 18 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("j<backspace>", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
     check("+", "path | path.edited off | point 1 | frame 0 | camera 1 | undo 1 redo 0");
@@ -65,6 +71,59 @@ fn undo_and_redo_reach_everything() {
 }
 
 #[test]
+fn undo_and_redo_say_what_they_did() {
+    let message = |e: &Editor| e.view().message.as_ref().map_or(String::new(), |message| message.text.clone());
+    for (keys, what) in [
+        ("x", "control point moved"),
+        ("i", "control point inserted"),
+        ("d", "control point deleted"),
+        ("sc", "shape circle"),
+        ("jj+", "path.points"),
+        ("lmc", "left plant mode"),
+        ("Bn", "layer added"),
+        ("<tab><tab><tab><tab>gci", "keys added"),
+        ("vgaR", "view as it came"),
+    ] {
+        let mut e = editor();
+        e.keys(keys);
+        e.keys("u");
+        assert_eq!(message(&e), format!("undone: {what} (0 behind, 1 ahead)"), "after {keys}");
+        e.keys("U");
+        assert_eq!(message(&e), format!("redone: {what} (1 behind, 0 ahead)"), "after {keys}");
+    }
+    let mut e = editor();
+    e.keys("u");
+    assert_eq!(message(&e), "nothing to undo");
+    e.keys("U");
+    assert_eq!(message(&e), "nothing to redo");
+}
+
+#[test]
+fn coordinates_are_offered_short_and_kept_to_the_last_digit() {
+    let mut e = editor();
+    e.keys("c0.1 0.2 0.3<enter>");
+    e.keys("xx");
+    let (before, height) = (e.document().solved().control_points()[0], e.document().solved().clip.facts.height.value);
+    e.keys("c");
+    let offered = e.prompt().expect("it asks").text.clone();
+    assert!(offered.len() < 40 && offered.split(' ').all(|number| number.len() <= 13), "{offered}");
+    let read: Vec<f64> = offered.split(' ').map(|number| number.parse().expect("a number")).collect();
+    assert!((DVec3::from_slice(&read) - before).abs().max_element() <= 1e-9 * height);
+    let edits = e.document().edits().clone();
+    e.keys("<enter>");
+    assert_eq!(e.document().edits(), &edits, "what is confirmed stays as it is");
+    e.keys("c<left><right><enter>");
+    assert_eq!(e.document().edits(), &edits);
+    // The list of the points is offered with nine digits; what it leaves out is kept as well.
+    e.keys(":path.nudge=0.12345678912345<enter>");
+    let edits = e.document().edits().clone();
+    e.keys("kkkkkkkkkkkkkkkkkkkkjjj");
+    assert!(e.rows().iter().any(|row| row.selected && row.label == "path.nudge"));
+    e.keys("<enter><enter>");
+    assert_eq!(e.document().edits(), &edits);
+}
+
+#[test]
 fn values_are_typed() {
     check("j<enter>7<enter>", "path | path.degree 7 | point 1 | frame 0 | camera 1 | undo 1 redo 0");
     check("j<enter>7<esc>", "path | path.degree 3 | point 1 | frame 0 | camera 1 | undo 0 redo 0");
@@ -72,6 +131,11 @@ fn values_are_typed() {
         ":original.degree=13<enter><tab>",
         "original | original.degree 13 | point 1 | frame 0 | camera 1 | undo 1 redo 0",
     );
+    let mut carrier = editor();
+    carrier.keys(":clip.carrier=Hisp<enter>");
+    assert!(carrier.prompt().is_some(), "a wrong name can be corrected");
+    assert!(carrier.view().message.as_ref().is_some_and(|m| m.text.contains("did you mean `Hips`? (the joints are ")));
+    assert_eq!(carrier.document().edits().clip.carrier, None);
     let mut wrong = editor();
     wrong.keys("j<enter>99<enter>");
     assert!(wrong.prompt().is_some(), "a wrong value can be corrected");
@@ -222,6 +286,13 @@ fn quitting_asks_only_when_there_is_something_to_lose() {
     assert!(e.prompt().is_none());
     assert_eq!(e.keys("qy"), Effect::Quit);
     assert_eq!(e.keys("uq"), Effect::Quit);
+    for looking in ["2", "H", "<pageup>", "ax", "f", "vg", "V4", "<lt>", "T"] {
+        let mut e = editor();
+        e.keys(looking);
+        assert!(!e.document().is_modified(), "{looking}");
+        assert_eq!(e.keys("q"), Effect::Quit, "{looking} is no work to lose");
+        assert_eq!(editor().keys(&format!("x{looking}q")), Effect::None, "{looking}");
+    }
 }
 
 #[test]

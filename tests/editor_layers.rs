@@ -212,3 +212,49 @@ fn the_maps_tab_charts_what_layers_do_and_walks_the_keys() {
     e.keys("k");
     assert_eq!(e.view().frame_idx + file_frame, 10);
 }
+
+#[test]
+fn an_euler_layer_is_charted_by_what_it_adds_to_the_channels() {
+    let mut e = editor();
+    e.keys(":");
+    e.paste(
+        "layer=[{name='below', rotation={Chest=[{frame=5,value=[0.8,0.2,0.3,0.1]}]}}, {name='bend', weight=0.5, \
+         rotation={Chest=[{frame=10,value=[0.9,0.1,0.2,-0.1]},{frame=90,value=[0.8,0,-0.3,0.2]}]}}]",
+    );
+    e.keys("<enter>Bb");
+    go_to(&mut e, Tab::Maps);
+    e.keys("gn");
+    while !e.map_series().title.contains("Chest") {
+        e.keys("gc");
+    }
+    assert_eq!((e.map_series().title.as_str(), e.map_series().names), ("Chest", ["x", "y", "z"]));
+    e.keys("Bi");
+    assert_eq!(e.document().edits().layers[1].interpolation, Interpolation::EulerLinear);
+    let series = e.map_series();
+    assert_eq!(series.title, "Chest, channels · bend");
+    // The built-in clip's channels are Zrotation Xrotation Yrotation.
+    assert_eq!((series.names, series.unit.as_str()), (["z", "x", "y"], "°"));
+    let solved = Arc::clone(e.document().solved());
+    let (clip, rest) = (&solved.clip, solved.clip.rest_frames());
+    let chest = clip.skeleton.find("Chest").expect("a chest");
+    let turned = solved.posed.of_clip.turned.iter().find(|turned| turned.joint == chest).expect("it turns");
+    let order = clip.rotation_order(chest.idx()).expect("three channels");
+    for values in &series.values {
+        let at = |file_frame: usize| values[file_frame - rest];
+        for file_frame in 10..=90 {
+            let line = at(10) + (at(90) - at(10)) * (file_frame - 10) as f64 / 80.0;
+            assert!((at(file_frame) - line).abs() < 1e-9, "frame {file_frame} is off the line between the keys");
+        }
+        assert!((at(10) - at(90)).abs() > 1.0, "every channel changes");
+    }
+    // Adding it to the channels of what lies below is the pose that is seen.
+    e.keys("Bo");
+    let solved = e.document().solved();
+    let below = solved.posed.of_clip.turned.iter().find(|turned| turned.joint == chest).expect("it turns");
+    for frame in [10 - rest, 37, 90 - rest, 150] {
+        let degrees = order.nearest_degrees(below.rotations[frame], [0.0; 3]);
+        let sum = [0, 1, 2].map(|axis| degrees[axis] + series.values[axis][frame]);
+        assert!(order.rotation(sum).angle_between(turned.rotations[frame]) < 1e-6, "frame {frame}");
+    }
+    assert!(e.map_series().values.iter().flatten().all(|&value| value == 0.0), "a layer that is off adds nothing");
+}

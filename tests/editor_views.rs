@@ -56,6 +56,34 @@ fn cameras_are_chosen_moved_and_reset() {
 }
 
 #[test]
+fn a_view_is_labelled_by_where_it_is_seen_from_and_camera_keys_say_so() {
+    for (keys, title) in [
+        ("ax", "1 along x, orthographic"),
+        ("ay", "1 along y, orthographic"),
+        ("az", "1 along z, orthographic"),
+        ("azo", "1 along z, perspective"),
+        ("<pageup><a-left>", "1 three-quarter, perspective"),
+        ("H", "1 turned, perspective"),
+        ("HL", "1 three-quarter, perspective"),
+        ("Har", "1 three-quarter, perspective"),
+        ("2", "2 front, orthographic"),
+        ("2ax", "2 along x, orthographic"),
+        ("2axaz", "2 front, orthographic"),
+        ("3f", "3 side, orthographic, following"),
+        ("4K", "4 turned, orthographic"),
+    ] {
+        let mut e = editor();
+        e.keys(keys);
+        assert_eq!(e.scene().now.views[0].title, title, "after {keys}");
+        if !keys.ends_with(['o', 'f']) {
+            assert!(message(&e).starts_with(&format!("camera {title}")), "after {keys}: {}", message(&e));
+            let moved = !keys.ends_with('2');
+            assert_eq!(message(&e).contains("the picture (b) show"), moved, "after {keys}: {}", message(&e));
+        }
+    }
+}
+
+#[test]
 fn every_drawn_object_can_be_hidden() {
     let full = editor().scene();
     for (keys, same) in [

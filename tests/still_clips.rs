@@ -11,7 +11,7 @@ use walkabout::{
     bvh::Bvh,
     displace::Layer,
     document::{Document, Edits, Opened, Source, parameter, parse_assignment},
-    editor::Editor,
+    editor::{Editor, TABS, Tab},
     math::Rigid,
     motion::{
         Clip, ClipOptions, DEFAULT_LENGTH, EditedClip, Length, MAX_LENGTH, TurnedJoint, n_written_frames, to_bvh,
@@ -204,6 +204,21 @@ fn keys_on_a_stationary_clip_make_a_motion() {
             let wanted = frame as f64 / (n_frames - 1) as f64;
             assert!((turn(frame) - wanted).abs() < 1e-6, "frame {frame}: {} {wanted}", turn(frame));
         }
+    }
+}
+
+#[test]
+fn a_length_that_nobody_chose_is_stepped_from_the_one_in_use() {
+    for (keys, expected) in [("+", 121), ("-", 119), ("]", 130), ("[", 110), ("++-", 121)] {
+        let mut editor = Editor::new(document(&one_frame(), &[]), Vec::new());
+        while TABS[editor.view().tab_idx] != Tab::Clip {
+            editor.keys("<tab>");
+        }
+        editor.keys("jjjj");
+        assert!(editor.rows().iter().any(|row| row.selected && row.label == "clip.length"));
+        editor.keys(keys);
+        assert_eq!(editor.document().edits().clip.length, Some(expected), "{keys}");
+        assert_eq!(editor.document().solved().clip.n_frames(), expected, "{keys}");
     }
 }
 

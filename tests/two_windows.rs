@@ -93,8 +93,12 @@ fn settled(window: &X11Window<'_>) -> Picture {
     }
 }
 
+/// Waits until the status line names the view and its camera, in the state or, after a camera key, in the message.
 fn await_state(host: &Host, state: &str) {
-    host.await_that(state, |screen| screen.contents().contains(&format!("  {state}  frame ")));
+    let (in_state, in_message) = (format!("  {state}  frame "), format!("{state} "));
+    host.await_that(state, |screen| {
+        screen.contents().lines().any(|line| line.contains(&in_state) || line.starts_with(&in_message))
+    });
 }
 
 #[test]

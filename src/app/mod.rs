@@ -18,7 +18,7 @@ use std::{
 use crate::{
     editor::{Editor, Effect, Message, Window},
     scene::{FromPreview, Picture, Scene},
-    tui::{self, InputEvent, InputThread, Palette, Screen, Surroundings, Terminal},
+    tui::{self, Drawn, InputEvent, InputThread, Palette, Screen, Surroundings, Terminal},
 };
 use preview::{Preview, PreviewProgram, display_available};
 use signals::SignalEvent;
@@ -383,8 +383,10 @@ impl App {
             picture: self.picture.as_ref(),
             pane_open: self.pane.is_some(),
         };
-        let mut view_size = (0, 0);
-        self.terminal.draw(|frame| view_size = tui::draw(frame, &self.editor, &scene, &surroundings))?;
+        let mut drawn = Drawn::default();
+        self.terminal.draw(|frame| drawn = tui::draw(frame, &self.editor, &scene, &surroundings))?;
+        self.editor.end_help_at(drawn.help_end);
+        let view_size = drawn.picture_size;
         if let Some(pane) = &mut self.pane {
             if self.pane_size != view_size && view_size.0 > 0 && view_size.1 > 0 {
                 self.pane_size = view_size;

@@ -1,6 +1,6 @@
 //! `walkabout render`: one frame to PNG, without a window.
 
-use std::io::BufWriter;
+use std::{io::BufWriter, path::Path};
 
 use super::{
     Failure,
@@ -14,6 +14,7 @@ use crate::{
 };
 
 pub(super) fn run(clip: &Clip, output: &Output, picture: &Picture) -> Result<(), Failure> {
+    check_is_png(&output.output)?;
     super::check_free(&output.output, output.force)?;
     let document = super::open_loudly(&with_views(clip, picture))?;
     let n_frames = document.solved().n_shown_frames();
@@ -30,6 +31,17 @@ pub(super) fn run(clip: &Clip, output: &Output, picture: &Picture) -> Result<(),
     let rendered = Renderer::new(&RendererOptions::default())?.render(&scene, width, height)?;
     write_file(&output.output, &png_bytes(&rendered)?)?;
     Ok(())
+}
+
+/// Refuses a file name that promises another format.
+fn check_is_png(output: &Path) -> Result<(), Failure> {
+    match output.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case("png") => {
+            let (file, png) = (output.display(), output.with_extension("png"));
+            Err(Failure::Usage(format!("{file}: pictures are written as PNG; name it {}", png.display())))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Returns what to open with the views asked for: they are parameters like others.

@@ -5,6 +5,8 @@
 //! cannot show a large one: in quaternion mode beyond half a turn over the weight, in Euler modes where the offsets
 //! that it takes are not the ones nearest the base any more.
 
+use std::ops::Range;
+
 use glam::{DMat3, DQuat, DVec3};
 
 use super::{Curve, Interpolation, Layer, Stack, joint_name, slerp, spline};
@@ -51,11 +53,29 @@ impl Stack<'_> {
         let layer = &self.layers[layer_idx];
         let own = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx);
         let Some((_, _, keys)) = own else { return DQuat::IDENTITY };
-        let value = self.below(layer_idx, joint, frame).value(layer.interpolation, keys, frame);
+        let value = self.below(layer_idx, joint, frame..frame + 1).value(layer.interpolation, keys, frame);
         if layer.effect() == 0.0 {
             return value;
         }
         self.settled(layer_idx, joint, frame, value, self.rotation(joint, frame)).unwrap_or(value)
+    }
+
+    /// Returns what a layer adds to a joint's rotation channels, weight included: degrees at the clip's frames, in the
+    /// order of [the joint's channels](crate::motion::RotationOrder::axes).
+    ///
+    /// None in quaternion mode, and for a joint that cannot have a map.
+    pub fn channel_offsets(&self, layer_idx: usize, joint: JointId) -> Option<Vec<DVec3>> {
+        let layer = &self.layers[layer_idx];
+        let curve = layer.interpolation.curve()?;
+        if !super::can_turn(self.clip, joint) {
+            return None;
+        }
+        let Some((_, _, keys)) = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx) else {
+            return Some(vec![DVec3::ZERO; self.clip.n_frames()]);
+        };
+        let mut offsets = self.below(layer_idx, joint, 0..self.clip.n_frames()).channel_offsets(curve, keys);
+        offsets.iter_mut().for_each(|offset| *offset *= layer.effect());
+        Some(offsets)
     }
 
     /// Returns the offset that a layer's position map holds at a frame: a key of it changes nothing there.
@@ -126,17 +146,17 @@ impl Stack<'_> {
         spline::values(&layer.position, Curve::Cubic, file_frame..file_frame + 1)[0]
     }
 
-    /// Returns the joint with all layers below one, at a frame.
-    fn below(&self, layer_idx: usize, joint: JointId, frame: usize) -> super::track::Track<'_> {
+    /// Returns the joint with all layers below one, at some frames.
+    fn below(&self, layer_idx: usize, joint: JointId, frames: Range<usize>) -> super::track::Track<'_> {
         let place = self.in_order().position(|(idx, _)| idx == layer_idx).expect("the layer is in the list");
         let lower: Vec<usize> = self.in_order().take(place).map(|(idx, _)| idx).collect();
         let maps = self.maps_of(joint).filter(|(idx, ..)| lower.contains(idx));
-        self.track(joint, maps.map(|(_, layer, keys)| (layer, keys)), frame..frame + 1)
+        self.track(joint, maps.map(|(_, layer, keys)| (layer, keys)), frames)
     }
 
     /// Returns the joint's rotation with all layers up to one, that one included.
     fn through(&self, layer_idx: usize, joint: JointId, frame: usize) -> DQuat {
-        let mut track = self.below(layer_idx, joint, frame);
+        let mut track = self.below(layer_idx, joint, frame..frame + 1);
         if let Some((_, layer, keys)) = self.maps_of(joint).find(|&(idx, ..)| idx == layer_idx) {
             track.lay(layer, keys);
         }
@@ -146,7 +166,7 @@ impl Stack<'_> {
     /// Returns the key that makes a joint's rotation with all layers up to one this one.
     fn own_key(&self, layer_idx: usize, joint: JointId, frame: usize, wanted: DQuat) -> Option<DQuat> {
         let layer = &self.layers[layer_idx];
-        let mut below = self.below(layer_idx, joint, frame);
+        let mut below = self.below(layer_idx, joint, frame..frame + 1);
         let turn = slerp::short_way(below.rotation(frame).conjugate() * wanted).normalize();
         let key = match layer.interpolation {
             Interpolation::Quaternion => {

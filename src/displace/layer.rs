@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
-use super::Keys;
+use super::{Curve, Keys};
 
 /// How rotations go from key to key. Positions always follow the cubic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,6 +30,15 @@ impl Interpolation {
             Self::Quaternion => "quaternion",
             Self::EulerLinear => "Euler linear",
             Self::EulerCubic => "Euler cubic",
+        }
+    }
+
+    /// Returns the curve that channel offsets follow from key to key; none where rotations do not go by channels.
+    pub(super) fn curve(self) -> Option<Curve> {
+        match self {
+            Self::Quaternion => None,
+            Self::EulerLinear => Some(Curve::Linear),
+            Self::EulerCubic => Some(Curve::Cubic),
         }
     }
 }

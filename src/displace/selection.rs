@@ -7,6 +7,9 @@ use glam::{DQuat, DVec3};
 use super::{Keys, Layer, slerp};
 use crate::math::rotation_vector;
 
+/// A number from here on is written with a power of ten.
+const TOO_LONG: f64 = 1e9;
+
 /// Which maps of a layer a command is about.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
@@ -48,7 +51,9 @@ impl fmt::Display for PointValue {
     /// For people: offsets in the clip's unit, turns in degrees about an axis of the joint's own space.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Position(by) => write!(f, "lateral {:.4}  up {:.4}  forward {:.4}", by.x, by.y, by.z),
+            Self::Position(by) => {
+                write!(f, "lateral {}  up {}  forward {}", number(by.x), number(by.y), number(by.z))
+            }
             Self::Rotation(_, turn) => {
                 let vector = rotation_vector(slerp::short_way(*turn));
                 let (axis, angle) = (vector.normalize_or_zero(), vector.length().to_degrees());
@@ -56,6 +61,11 @@ impl fmt::Display for PointValue {
             }
         }
     }
+}
+
+/// Writes a number with four decimals; one too large for decimals to mean anything with a power of ten.
+fn number(n: f64) -> String {
+    if n.abs() < TOO_LONG { format!("{n:.4}") } else { format!("{n:.4e}") }
 }
 
 impl Selection {

@@ -60,10 +60,9 @@ impl<'a> Track<'a> {
         if weight == 0.0 || keys.iter().all(|key| key.value.xyz() == DVec3::ZERO) {
             return;
         }
-        match layer.interpolation {
-            Interpolation::Quaternion => self.turn(keys, weight),
-            Interpolation::EulerLinear => self.offset(keys, Curve::Linear, weight),
-            Interpolation::EulerCubic => self.offset(keys, Curve::Cubic, weight),
+        match layer.interpolation.curve() {
+            None => self.turn(keys, weight),
+            Some(curve) => self.offset(keys, curve, weight),
         }
     }
 
@@ -73,14 +72,20 @@ impl<'a> Track<'a> {
         if let Some(value) = keys.get(file_frame) {
             return value;
         }
-        let curve = match interpolation {
-            _ if keys.is_empty() => return DQuat::IDENTITY,
-            Interpolation::Quaternion => return slerp::at(&slerp::lifted(keys), file_frame),
-            Interpolation::EulerLinear => Curve::Linear,
-            Interpolation::EulerCubic => Curve::Cubic,
-        };
+        if keys.is_empty() {
+            return DQuat::IDENTITY;
+        }
+        let Some(curve) = interpolation.curve() else { return slerp::at(&slerp::lifted(keys), file_frame) };
         let offset = spline::values(&self.offsets(keys), curve, file_frame..file_frame + 1)[0];
         self.turn_of_offset(frame, offset)
+    }
+
+    /// Returns a map's channel offsets, degrees and without weight, at the clip's frames.
+    pub(super) fn channel_offsets(&mut self, curve: Curve, keys: &Keys<DQuat>) -> Vec<DVec3> {
+        if keys.is_empty() {
+            return vec![DVec3::ZERO; self.clip.n_frames()];
+        }
+        spline::values(&self.offsets(keys), curve, self.clip.rest_frames()..self.clip.n_file_frames())
     }
 
     /// Returns the turn, on the right, that adding an offset to the channels is at a frame of the clip.
@@ -119,8 +124,7 @@ impl<'a> Track<'a> {
     }
 
     fn offset(&mut self, keys: &Keys<DQuat>, curve: Curve, weight: f64) {
-        let (rest, end) = (self.clip.rest_frames(), self.clip.n_file_frames());
-        let offsets = spline::values(&self.offsets(keys), curve, rest..end);
+        let offsets = self.channel_offsets(curve, keys);
         let sums = self.degrees().iter().zip(&offsets).map(|(&degrees, &by)| euler::added(degrees, by, weight));
         let sums: Vec<[f64; 3]> = sums.collect();
         let mut rotations = self.order.rotations(&sums);

@@ -4,7 +4,7 @@
 //! shape when its degree or number of points changes, given control points are final and define the count, a ready
 //! shape follows the original path that the same change may have altered.
 
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 
 use glam::DVec3;
 use toml::Value;
@@ -14,7 +14,7 @@ use super::{
     layers,
     parameter::{MAX_POINTS, SetError},
     plants, posing, solve,
-    table::parameter,
+    table::{check_carrier, parameter},
 };
 use crate::{
     contact::PlantChange,
@@ -88,6 +88,72 @@ pub enum Change {
         /// What is wanted.
         change: PoseChange,
     },
+}
+
+impl fmt::Display for Change {
+    /// Says what was done, for people: `control point moved`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = |values: &[(String, Value)]| match values {
+            [] => "nothing".to_owned(),
+            [(name, _)] => name.clone(),
+            [(first, _), (second, _)] => format!("{first} and {second}"),
+            [(first, _), more @ ..] => format!("{first} and {} more", more.len()),
+        };
+        match self {
+            Self::Set { shape: Some(shape), .. } => write!(f, "shape {}", shape.kind.name()),
+            Self::Set { values, shape: None } => f.write_str(&names(values)),
+            Self::PlacePoint { .. } => f.write_str("control point moved"),
+            Self::InsertPoint { .. } => f.write_str("control point inserted"),
+            Self::DeletePoint { .. } => f.write_str("control point deleted"),
+            Self::Straighten => f.write_str("straight line"),
+            Self::ResetView => f.write_str("view as it came"),
+            Self::Plant { foot, change } => write!(f, "{} plant {}", foot.name(), plant_word(change)),
+            Self::PlantsAsFound { foot, plant: Some(_) } => write!(f, "{} plant as found", foot.name()),
+            Self::PlantsAsFound { foot, plant: None } => write!(f, "{} plants as found", foot.name()),
+            Self::Layer(change) => write!(f, "layer {}", layer_word(change)),
+            Self::Keys { change, .. } => write!(f, "keys {}", key_word(*change)),
+            Self::Pose { change: PoseChange::MoveCarrier { .. }, .. } => f.write_str("carrier moved"),
+            Self::Pose { change: PoseChange::Reach { .. }, .. } => f.write_str("joint moved"),
+            Self::Pose { change: PoseChange::Turn { .. }, .. } => f.write_str("joint turned"),
+        }
+    }
+}
+
+fn plant_word(change: &PlantChange) -> &'static str {
+    match change {
+        PlantChange::MoveFirst { .. } => "begun elsewhere",
+        PlantChange::MoveLast { .. } => "ended elsewhere",
+        PlantChange::Split { .. } => "split",
+        PlantChange::Join { .. } => "joined",
+        PlantChange::Delete { .. } => "deleted",
+        PlantChange::Add { .. } => "added",
+        PlantChange::SetMode { .. } => "mode",
+    }
+}
+
+fn layer_word(change: &LayerChange) -> &'static str {
+    match change {
+        LayerChange::Add { .. } => "added",
+        LayerChange::Delete { .. } => "deleted",
+        LayerChange::Rename { .. } => "renamed",
+        LayerChange::Switch { on: true, .. } => "switched on",
+        LayerChange::Switch { on: false, .. } => "switched off",
+        LayerChange::Weigh { .. } => "weight",
+        LayerChange::Interpolate { .. } => "interpolation",
+        LayerChange::Move { .. } => "moved",
+        LayerChange::Merge { .. } => "merged",
+        LayerChange::ClearPosition { .. } => "position keys cleared",
+        LayerChange::ClearRotations { .. } => "rotation keys cleared",
+    }
+}
+
+fn key_word(change: KeyChange) -> &'static str {
+    match change {
+        KeyChange::Add { .. } => "added",
+        KeyChange::Delete { .. } => "deleted",
+        KeyChange::Copy { .. } => "copied",
+        KeyChange::Move { .. } => "moved",
+    }
 }
 
 /// A change that cannot be made.
@@ -194,6 +260,10 @@ fn set(
     for (name, value) in values.iter().filter(|(name, _)| name != points_name) {
         parameter(name)?.set(edits, value)?;
     }
+    if values.iter().any(|(name, _)| name == "clip.carrier") {
+        let joints: Vec<&str> = solved.clip.skeleton.joints().iter().map(|joint| joint.name.as_str()).collect();
+        check_carrier(edits, &joints)?;
+    }
     let needed = edits.path.degree + 1;
     let given = values.iter().rev().find(|(name, _)| name == points_name);
     if let Some((name, value)) = given {
@@ -212,7 +282,8 @@ fn set(
     if let Some(shape) = shape {
         let original = original_path(&solved.source, edits, solved);
         let raised = edits.path.points.max(shape.min_points(edits.path.degree));
-        if raised > edits.path.points {
+        // What nobody asked for is no wish that is not met.
+        if raised > edits.path.points && values.iter().any(|(name, _)| name == "path.points") {
             warnings.push(format!("path.points raised to {raised}, which the shape needs"));
         }
         let points = path::shape_points(shape, &original.original, raised, edits.path.degree);

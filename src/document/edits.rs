@@ -51,6 +51,12 @@ impl Edits {
     pub(super) fn differ_in_layers(&self, others: &Self) -> bool {
         self.layers != others.layers && *self == Self { layers: self.layers.clone(), ..others.clone() }
     }
+
+    /// Returns the edits without what only says how one looks at them: what is drawn, from where, and how fast it plays.
+    pub(super) fn work(&self) -> Self {
+        let timing = TimingEdits { speed: TimingEdits::default().speed, ..self.timing };
+        Self { view: ViewEdits::default(), timing, ..self.clone() }
+    }
 }
 
 /// `clip.*`.

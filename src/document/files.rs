@@ -9,7 +9,7 @@ use std::{
 
 use super::{
     Edits, Source,
-    project::{Project, ProjectError, parse, print},
+    project::{Project, ProjectError, check_joints, parse, print},
     source::built_in,
 };
 use crate::bvh::{Bvh, ParseError};
@@ -75,6 +75,8 @@ pub fn open(file: Option<&Path>) -> Result<Opened, OpenError> {
         None => built_in(),
         Some(clip) => read(&file.parent().unwrap_or(Path::new("")).join(clip))?,
     };
+    let joints: Vec<&str> = source.bvh.joints().iter().map(|joint| joint.name.as_str()).collect();
+    check_joints(&project, &joints, &text, &file.display().to_string())?;
     let mut warnings = Vec::new();
     if project.blake3.as_deref().is_some_and(|hash| hash != source.blake3()) {
         warnings.push(format!("{} has changed since the project was saved", source.name));

@@ -22,12 +22,14 @@ struct Revision {
     edits: Arc<Edits>,
     /// The step that made it is one of what is drawn and from where, too.
     of_view: bool,
+    /// What that step was, for people; empty for the first.
+    what: String,
 }
 
 impl History {
     /// Begins with these edits.
     pub fn new(edits: Edits) -> Self {
-        Self { revisions: vec![Revision { edits: Arc::new(edits), of_view: false }], at: 0 }
+        Self { revisions: vec![Revision { edits: Arc::new(edits), of_view: false, what: String::new() }], at: 0 }
     }
 
     /// Returns the edits in use.
@@ -35,10 +37,10 @@ impl History {
         &self.revisions[self.at].edits
     }
 
-    /// Takes new edits into use. With `joins` they replace the present revision in place of following it.
+    /// Takes new edits into use, made by a step that is `what` for people. With `joins` they replace the present revision in place of following it.
     ///
     /// Edits that differ only in what is drawn replace it always; equal edits change nothing.
-    pub fn push(&mut self, edits: Edits, joins: bool) {
+    pub fn push(&mut self, edits: Edits, joins: bool, what: String) {
         if edits == **self.edits() {
             return;
         }
@@ -50,16 +52,17 @@ impl History {
         }
         self.revisions.truncate(self.at + 1);
         if joins && self.at > 0 {
-            self.revisions[self.at].edits = edits;
+            let revision = &mut self.revisions[self.at];
+            (revision.edits, revision.what) = (edits, what);
         } else {
-            self.follow_by(Revision { edits, of_view: false });
+            self.follow_by(Revision { edits, of_view: false, what });
         }
     }
 
     /// Takes new edits into use in a step that can be undone although it may change only what is drawn.
-    pub fn push_view(&mut self, edits: Edits) {
+    pub fn push_view(&mut self, edits: Edits, what: String) {
         if edits != **self.edits() {
-            self.follow_by(Revision { edits: Arc::new(edits), of_view: true });
+            self.follow_by(Revision { edits: Arc::new(edits), of_view: true, what });
         }
     }
 
@@ -77,6 +80,16 @@ impl History {
     /// Goes forward one revision; false at the last.
     pub fn redo(&mut self) -> bool {
         self.at + 1 < self.revisions.len() && self.choose(self.at + 1)
+    }
+
+    /// Returns what the step was that undo takes back; none at the first revision.
+    pub fn undoable(&self) -> Option<&str> {
+        (self.at > 0).then(|| self.revisions[self.at].what.as_str())
+    }
+
+    /// Returns what the step was that redo makes again; none at the last revision.
+    pub fn redoable(&self) -> Option<&str> {
+        self.revisions.get(self.at + 1).map(|revision| revision.what.as_str())
     }
 
     /// Returns how many steps can be undone and redone.
@@ -108,13 +121,15 @@ mod tests {
     #[test]
     fn undo_and_redo_walk_the_revisions() {
         let mut history = History::new(Edits::default());
-        history.push(with_nudge(1.0), false);
-        history.push(with_nudge(2.0), false);
+        history.push(with_nudge(1.0), false, "a step".to_owned());
+        history.push(with_nudge(2.0), false, "a step".to_owned());
         assert!(history.undo());
         assert_eq!(history.edits().path.nudge, 1.0);
         assert!(history.undo());
         assert!(!history.undo());
+        assert_eq!((history.undoable(), history.redoable()), (None, Some("a step")));
         assert!(history.redo() && history.redo());
+        assert_eq!((history.undoable(), history.redoable()), (Some("a step"), None));
         assert!(!history.redo());
         assert_eq!(history.edits().path.nudge, 2.0);
     }
@@ -122,9 +137,9 @@ mod tests {
     #[test]
     fn joined_steps_are_undone_at_once() {
         let mut history = History::new(Edits::default());
-        history.push(with_nudge(1.0), false);
-        history.push(with_nudge(2.0), true);
-        history.push(with_nudge(3.0), true);
+        history.push(with_nudge(1.0), false, "a step".to_owned());
+        history.push(with_nudge(2.0), true, "a step".to_owned());
+        history.push(with_nudge(3.0), true, "a step".to_owned());
         assert_eq!(history.depth(), (1, 0));
         assert!(history.undo());
         assert_eq!(**history.edits(), Edits::default());
@@ -133,9 +148,9 @@ mod tests {
     #[test]
     fn a_new_edit_forgets_what_was_undone() {
         let mut history = History::new(Edits::default());
-        history.push(with_nudge(1.0), false);
+        history.push(with_nudge(1.0), false, "a step".to_owned());
         history.undo();
-        history.push(with_nudge(5.0), false);
+        history.push(with_nudge(5.0), false, "a step".to_owned());
         assert!(!history.redo());
         assert_eq!(history.depth(), (1, 0));
     }
@@ -143,10 +158,10 @@ mod tests {
     #[test]
     fn what_is_drawn_is_not_history() {
         let mut history = History::new(Edits::default());
-        history.push(with_nudge(1.0), false);
+        history.push(with_nudge(1.0), false, "a step".to_owned());
         let mut hidden = (**history.edits()).clone();
         hidden.view.show.ground = false;
-        history.push(hidden, false);
+        history.push(hidden, false, "a step".to_owned());
         assert_eq!(history.depth(), (1, 0));
         history.undo();
         assert!(!history.edits().view.show.ground);
@@ -157,10 +172,10 @@ mod tests {
         let mut hidden = with_nudge(1.0);
         hidden.view.show.ground = false;
         let mut history = History::new(hidden.clone());
-        history.push(Edits { view: hidden.view.clone(), ..with_nudge(2.0) }, false);
-        history.push_view(with_nudge(2.0));
+        history.push(Edits { view: hidden.view.clone(), ..with_nudge(2.0) }, false, "a step".to_owned());
+        history.push_view(with_nudge(2.0), "the view".to_owned());
         assert_eq!((history.edits().view.show.ground, history.depth()), (true, (2, 0)));
-        history.push_view(with_nudge(2.0));
+        history.push_view(with_nudge(2.0), "the view".to_owned());
         assert_eq!(history.depth(), (2, 0), "equal edits change nothing");
         assert!(history.undo());
         assert!(!history.edits().view.show.ground);

@@ -41,7 +41,7 @@ pub use footprint::{Footprint, SourcePrint};
 pub use history::History;
 pub use holding::Holding;
 pub use layers::{KeyChange, LayerChange, LayerRefusal};
-pub use parameter::{Kind, MAX_POINTS, Parameter, SetError, Step, parse_assignment, show_value};
+pub use parameter::{Kind, MAX_POINTS, NoJoint, Parameter, SetError, Step, parse_assignment, show_value};
 pub use plants::PlantRefusal;
 pub use posed::{Base, Cleared, Posed};
 pub use posing::PoseChange;
@@ -106,14 +106,26 @@ impl Document {
         self.history.depth()
     }
 
+    /// Returns what the step was that undo takes back, for people.
+    pub fn undoable(&self) -> Option<&str> {
+        self.history.undoable()
+    }
+
+    /// Returns what the step was that redo makes again, for people.
+    pub fn redoable(&self) -> Option<&str> {
+        self.history.redoable()
+    }
+
     /// Returns the project file, if there is one yet.
     pub fn project(&self) -> Option<&Path> {
         self.project.as_deref()
     }
 
-    /// Tells whether there are edits that no project file has.
+    /// Tells whether there are edits that no project file has and that matter: what is looked at, from where and how
+    /// fast is saved with them, but is no work to lose.
     pub fn is_modified(&self) -> bool {
-        *self.saved != **self.edits()
+        let now = self.edits();
+        **now != *self.saved && now.work() != self.saved.work()
     }
 
     /// Makes a change and solves; with `joins` it is one step with the one before. Returns warnings of the change.
@@ -135,8 +147,8 @@ impl Document {
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
         let change::Next { edits, warnings, draft } = change::next(from, change)?;
         match change {
-            Change::ResetView => self.history.push_view(edits),
-            _ => self.history.push(edits, joins),
+            Change::ResetView => self.history.push_view(edits, change.to_string()),
+            _ => self.history.push(edits, joins, change.to_string()),
         }
         match draft.filter(|draft| draft.edits == *self.edits()) {
             Some(draft) => self.take(Solved { edits: Arc::clone(self.edits()), ..draft }),
@@ -339,5 +351,33 @@ mod tests {
             document.apply(&clean, false).expect("a setting");
         }
         assert!(drafting.solved().is_measured() && same(&plain, &drafting));
+    }
+
+    #[test]
+    fn a_shape_takes_the_points_it_needs_and_says_so_only_to_who_asked_for_fewer() {
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        let mut shape = |values: &[(&str, i64)]| {
+            let values = values.iter().map(|(name, v)| ((*name).to_owned(), toml::Value::Integer(*v))).collect();
+            document.apply(&Change::Set { values, shape: Some("circle".parse().expect("a shape")) }, false)
+        };
+        assert_eq!(shape(&[]), Ok(Vec::new()));
+        let raised = "path.points raised to 9, which the shape needs".to_owned();
+        assert_eq!(shape(&[("path.points", 5)]), Ok(vec![raised]));
+        assert_eq!(shape(&[("path.points", 12)]), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn a_carrier_is_one_of_the_clips_joints() {
+        let mut document = Document::new(open(None).expect("the built-in clip"));
+        let mut carrier = |name: &str| {
+            let values = vec![("clip.carrier".to_owned(), toml::Value::String(name.to_owned()))];
+            document.apply(&Change::Set { values, shape: None }, false).map_err(|error| error.to_string())
+        };
+        let words = carrier("Hisp").expect_err("no joint");
+        let expected =
+            "`clip.carrier` takes a joint's name or auto, found `Hisp`; did you mean `Hips`? (the joints are Hips, ";
+        assert!(words.starts_with(expected) && words.contains(", Chest, "), "{words}");
+        assert_eq!(carrier("Hips"), Ok(Vec::new()));
+        assert_eq!(carrier("auto"), Ok(Vec::new()));
     }
 }

@@ -86,7 +86,7 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SetError {
     /// No row has this name.
-    #[error("there is no parameter `{name}`{}", did_you_mean(.near))]
+    #[error("there is no parameter `{name}`{}", did_you_mean(.near.as_deref()))]
     Unknown {
         /// The name as given.
         name: String,
@@ -113,6 +113,9 @@ pub enum SetError {
         /// What is wrong with it.
         problem: String,
     },
+    /// No joint of the clip has this name.
+    #[error(transparent)]
+    NoJoint(Box<NoJoint>),
     /// Control points were given, but not enough for the degree.
     #[error("a path of degree {degree} needs at least {} control points, found {found}", degree + 1)]
     TooFewPoints {
@@ -123,7 +126,26 @@ pub enum SetError {
     },
 }
 
-fn did_you_mean(near: &Option<&'static str>) -> String {
+/// A joint's name that no joint of the clip has.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "`{name}` takes {}, found `{found}`{} (the joints are {})",
+    Kind::Joint.in_words(),
+    did_you_mean(.near.as_deref()),
+    .joints.join(", ")
+)]
+pub struct NoJoint {
+    /// The parameter.
+    pub name: &'static str,
+    /// The name as given.
+    pub found: String,
+    /// A joint whose name is nearly it.
+    pub near: Option<String>,
+    /// Names of the clip's joints.
+    pub joints: Vec<String>,
+}
+
+fn did_you_mean(near: Option<&str>) -> String {
     near.map(|n| format!("; did you mean `{n}`?")).unwrap_or_default()
 }
 
@@ -164,8 +186,9 @@ impl Parameter {
     }
 
     /// Returns the value that `n` key presses make of the present one: switches flip, choices go round, numbers step
-    /// within their range; none where a key press has no meaning.
-    pub fn stepped(&self, edits: &Edits, n: i64, big: bool) -> Option<Value> {
+    /// within their range; none where a key press has no meaning. A count that is `auto` steps from the number in use,
+    /// [`super::Solved::in_use`]; without one it becomes its least.
+    pub fn stepped(&self, edits: &Edits, in_use: Option<i64>, n: i64, big: bool) -> Option<Value> {
         let now = self.get(edits);
         match self.kind {
             Kind::Switch => Some(Value::Boolean(!now.as_bool()?)),
@@ -179,7 +202,7 @@ impl Parameter {
                 Some(Value::Integer(numbers[(at + n.signum()).rem_euclid(numbers.len() as i64) as usize]))
             }
             Kind::Count { min, max, step, auto } => {
-                let Some(now) = now.as_integer() else { return Some(Value::Integer(min)) };
+                let Some(now) = now.as_integer().or(in_use) else { return Some(Value::Integer(min)) };
                 let next = now + n * if big { 10 * step } else { step };
                 Some(if auto && next < min { word("auto") } else { Value::Integer(next.clamp(min, max)) })
             }

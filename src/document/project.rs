@@ -6,16 +6,18 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use toml::{
     Spanned, Value,
-    de::{DeTable, DeValue},
+    de::{DeTable, DeValue, ValueDeserializer},
 };
 
 use super::{
     Edits, entries,
     parameter::{Kind, Parameter, SetError, show_value},
-    table::{PARAMETERS, parameter},
+    table::{PARAMETERS, check_carrier, parameter},
 };
+use crate::{contact::PlantEdit, displace::Layer, motion::LegNames};
 
 /// The project format this program writes; every smaller one still opens.
 pub const FORMAT: i64 = 1;
@@ -104,7 +106,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
     for (at, name, value) in &assignments {
         let read = read_value(text, value).map_err(|(at, message)| fail(at, Problem::Syntax(message)))?;
         let set = parameter(name).and_then(|p| p.set(&mut project.edits, &read));
-        set.map_err(|error| fail(entry_start(value, &error).unwrap_or(*at), error.into()))?;
+        set.map_err(|error| fail(entry_place(name, value, &error).unwrap_or(*at), error.into()))?;
     }
     let path = &project.edits.path;
     if path.control_points.as_ref().is_some_and(|p| p.len() <= path.degree) {
@@ -114,6 +116,22 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Project, ProjectError> {
     }
     project.edits.path.points = path.points.max(path.degree + 1);
     Ok(project)
+}
+
+/// Checks what a project says about the clip's joints, which its text alone does not tell.
+///
+/// # Errors
+///
+/// When `clip.carrier` is none of them, with the place.
+pub(super) fn check_joints(project: &Project, names: &[&str], text: &str, file: &str) -> Result<(), ProjectError> {
+    let Err(error) = check_carrier(&project.edits, names) else { return Ok(()) };
+    let table = DeTable::parse(text).ok();
+    let at = table.as_ref().and_then(|table| {
+        let (key, _) = table.get_ref().get("clip")?.get_ref().as_table()?.get_key_value("carrier")?;
+        Some(key.span().start)
+    });
+    let (line, column) = place(text, at.unwrap_or(0));
+    Err(ProjectError { file: file.to_owned(), line, column, problem: error.into() })
 }
 
 /// Returns the project's text.
@@ -204,10 +222,23 @@ fn read_value(text: &str, value: &Spanned<DeValue<'_>>) -> Result<Value, (usize,
     }
 }
 
-/// Returns where in the file the entry stands that an error is about.
-fn entry_start(value: &Spanned<DeValue<'_>>, error: &SetError) -> Option<usize> {
+/// Returns where in the file stands what an error in an entry of a list is about: its key, its value, or else the entry.
+fn entry_place(name: &str, value: &Spanned<DeValue<'_>>, error: &SetError) -> Option<usize> {
     let SetError::Entry { number, .. } = error else { return None };
-    Some(value.get_ref().as_array()?.get(number - 1)?.span().start)
+    let entry = value.get_ref().as_array()?.get(number - 1)?;
+    let inside = match parameter(name).ok()?.kind {
+        Kind::Legs => wrong_place::<LegNames>(entry),
+        Kind::Plants => wrong_place::<PlantEdit>(entry),
+        Kind::Layers => wrong_place::<Layer>(entry),
+        _ => None,
+    };
+    Some(inside.unwrap_or(entry.span().start))
+}
+
+/// Returns where reading an entry in its place in the file fails, if it does.
+fn wrong_place<T: DeserializeOwned>(entry: &Spanned<DeValue<'_>>) -> Option<usize> {
+    let error = T::deserialize(ValueDeserializer::from(entry.clone())).err()?;
+    Some(error.span()?.start)
 }
 
 /// Returns a name as a key: bare where it can be.
@@ -239,11 +270,7 @@ fn place(text: &str, offset: usize) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        contact::{PlantEdit, PlantEditMode},
-        motion::{LegNames, Side},
-        path::Degree,
-    };
+    use crate::{contact::PlantEditMode, motion::Side, path::Degree};
     use glam::DVec3;
 
     fn check_error(text: &str, expected: &str) {
@@ -309,6 +336,24 @@ mod tests {
             assert!(error.starts_with(&format!("p.toml:{place}: `{number}`: ")), "{error}");
         }
         assert!(parse("format = 1\n[path\n", "p.toml").is_err());
+        for (from, to, place, words) in [
+            ("weight = 0.5", "weight = 1.5", "5:10", "weight is 0 to 1, found 1.5"),
+            ("weight", "wieght", "5:1", "unknown field `wieght`"),
+            ("\"euler_linear\"", "\"euler\"", "6:17", "unknown variant `euler`"),
+            ("[1, 0, 0, 0]", "[1, 0, 0]", "9:26", "invalid length 3"),
+            ("[1, 0, 0, 0]", "[1, 0, \"0\", 0]", "9:33", "invalid type"),
+            ("[1, 0, 0, 0]", "[0, 0, 0, 0]", "8:8", "the value at frame 3"),
+            ("frame = 7", "frame = 3", "8:8", "two keys at frame 3"),
+            ("frame = 7", "farme = 7", "10:7", "unknown field `farme`"),
+            ("name = \"wave\"", "on = true", "3:1", "missing field `name`"),
+            ("name = \"wave\"", "name = \" \"", "4:8", "a layer needs a name"),
+        ] {
+            let good = "format = 1\n\n[[layer]]\nname = \"wave\"\nweight = 0.5\ninterpolation = \"euler_linear\"\n\
+                [layer.rotation]\nNeck = [\n    { frame = 3, value = [1, 0, 0, 0] },\n    { frame = 7, value = [0, 1, 0, 0] },\n]\n";
+            assert!(parse(good, "p.toml").is_ok());
+            let error = parse(&good.replacen(from, to, 1), "p.toml").expect_err(to).to_string();
+            assert!(error.starts_with(&format!("p.toml:{place}: `layer` entry 1: {words}")), "{error}");
+        }
         let two = "format = 1\n[[plant]]\nfoot = \"left\"\nfirst = 3\nlast = 9\n[[plant]]\n";
         check_error(
             &format!("{two}foot = \"right\"\nfirst = 9\nlast = 3\n"),
@@ -316,7 +361,7 @@ mod tests {
         );
         check_error(
             &format!("{two}foot = \"right\"\nfirst = 9\nlast = 30\nmod = \"hold\"\n"),
-            "p.toml:6:1: `plant` entry 2: unknown field `mod`, expected one of `foot`, `first`, `last`, `mode`",
+            "p.toml:10:1: `plant` entry 2: unknown field `mod`, expected one of `foot`, `first`, `last`, `mode`",
         );
         check_error(
             "format = 1\n[clip]\nlegs = [\n    { side = \"left\", hip = \"h\", knee = \"k\" },\n]\n",

@@ -85,6 +85,21 @@ impl Solved {
         !self.is_draft
     }
 
+    /// Returns the number in use of a parameter that may be `auto`; none for any other.
+    pub fn in_use(&self, name: &str) -> Option<i64> {
+        let rest = self.clip.rest_frames();
+        let repeated = self.walked.repeat.map(|repeat| repeat.range);
+        let number = match name {
+            "clip.length" => self.clip.n_file_frames(),
+            "clip.rest_frames" => rest,
+            "original.degree" => self.original.degree(),
+            "loop.start" => repeated.map_or(0, |range| range.first) + rest,
+            "loop.end" => repeated.map_or(self.clip.n_frames(), |range| range.end) + rest,
+            _ => return None,
+        };
+        i64::try_from(number).ok()
+    }
+
     /// Tells whether the clip walks the new path: asked for, and possible.
     pub fn walks_new_path(&self) -> bool {
         self.edits.path.edited && self.clip.facts.path_editable

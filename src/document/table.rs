@@ -6,8 +6,8 @@
 use toml::Value;
 
 use super::{
-    Axes, entries,
-    parameter::{Kind, MAX_POINTS, Parameter, SetError, Step},
+    Axes, Edits, entries,
+    parameter::{Kind, MAX_POINTS, NoJoint, Parameter, SetError, Step},
     table_pictures::{CAMERAS, SHOW, WINDOWS},
     value::{admitted, as_vector, choice_of, count, float, frame, switch, vector, word, word_of},
 };
@@ -42,13 +42,31 @@ impl Table {
 pub fn parameter(name: &str) -> Result<&'static Parameter, SetError> {
     PARAMETERS.iter().find(|p| p.name == name).ok_or_else(|| SetError::Unknown {
         name: name.to_owned(),
-        near: PARAMETERS
-            .iter()
-            .map(|p| (edit_distance(name, p.name), p.name))
-            .filter(|(distance, _)| *distance <= 3)
-            .min()
-            .map(|(_, near)| near),
+        near: nearest(name, PARAMETERS.iter().map(|p| p.name)),
     })
+}
+
+/// Checks that the carrier asked for is one of the clip's joints.
+///
+/// # Errors
+///
+/// When it is none; the error names a near one and lists them all.
+pub(super) fn check_carrier(edits: &Edits, joints: &[&str]) -> Result<(), SetError> {
+    match &edits.clip.carrier {
+        Some(name) if !joints.contains(&name.as_str()) => Err(SetError::NoJoint(Box::new(NoJoint {
+            name: "clip.carrier",
+            found: name.clone(),
+            near: nearest(name, joints.iter().copied()).map(str::to_owned),
+            joints: joints.iter().map(ToString::to_string).collect(),
+        }))),
+        _ => Ok(()),
+    }
+}
+
+/// Returns the name that is nearly this one.
+fn nearest<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let distances = names.map(|known| (edit_distance(name, known), known));
+    distances.filter(|(distance, _)| *distance <= 3).min().map(|(_, near)| near)
 }
 
 const CYCLING: &[(&str, Cycling)] = &[("off", Cycling::Off), ("plain", Cycling::Plain), ("blended", Cycling::Blended)];
@@ -400,7 +418,7 @@ fn edit_distance(a: &str, b: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Edits, parse_assignment, show_value};
+    use crate::document::{parse_assignment, show_value};
 
     fn check(text: &str, expected: Result<&str, &str>) {
         let (name, value) = parse_assignment(text).expect("an assignment");
@@ -478,7 +496,7 @@ mod tests {
             assert_eq!(edits, Edits::default(), "{}", p.name);
             assert!(p.doc.ends_with('.'), "{}", p.name);
             for (n, big) in [(1, false), (-1, false), (1, true), (-1, true), (1000, true), (-1000, true)] {
-                if let Some(value) = p.stepped(&edits, n, big) {
+                if let Some(value) = p.stepped(&edits, None, n, big) {
                     p.set(&mut edits, &value).unwrap_or_else(|e| panic!("{e}"));
                 }
             }
@@ -488,10 +506,16 @@ mod tests {
     #[test]
     fn steps_do_what_keys_promise() {
         let edits = Edits::default();
-        let step = |name: &str, n, big| parameter(name).expect("a row").stepped(&edits, n, big).map(|v| show_value(&v));
+        let from = |name: &str, in_use, n, big| {
+            parameter(name).expect("a row").stepped(&edits, in_use, n, big).map(|v| show_value(&v))
+        };
+        let step = |name: &str, n, big| from(name, None, n, big);
         assert_eq!(step("path.points", 1, false).as_deref(), Some("9"));
         assert_eq!(step("path.points", -1, true).as_deref(), Some("2"));
         assert_eq!(step("original.degree", 1, false).as_deref(), Some("1"));
+        assert_eq!(from("original.degree", Some(7), 1, false).as_deref(), Some("8"));
+        assert_eq!(from("original.degree", Some(7), -1, true).as_deref(), Some("auto"));
+        assert_eq!(from("path.points", Some(20), 1, false).as_deref(), Some("9"), "only auto has another in use");
         assert_eq!(step("heading.window", 1, false).as_deref(), Some("0.55"));
         assert_eq!(step("timing.cycling", -1, false).as_deref(), Some("blended"));
         assert_eq!(step("show.ground", 1, false).as_deref(), Some("false"));

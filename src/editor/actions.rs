@@ -94,8 +94,7 @@ pub(super) fn step_value(editor: &mut Editor, command: &'static str, name: &str,
     if name.starts_with("show.") && views::are_several(editor) {
         return views::toggle(editor, command, name);
     }
-    let parameter = parameter(name).expect("the command table names parameters of the table");
-    if let Some(value) = parameter.stepped(editor.document.edits(), n, big) {
+    if let Some(value) = stepped(editor, name, n, big) {
         let text = crate::document::show_value(&value);
         editor.set(command, name, value);
         if editor.view.message.is_none() {
@@ -120,7 +119,8 @@ pub(super) fn step_row(editor: &mut Editor, command: &'static str, n: i64, big: 
 }
 
 fn stepped(editor: &Editor, name: &str, n: i64, big: bool) -> Option<Value> {
-    parameter(name).ok()?.stepped(editor.document.edits(), n, big)
+    let parameter = parameter(name).expect("rows and commands name parameters of the table");
+    parameter.stepped(editor.document.edits(), editor.document.solved().in_use(name), n, big)
 }
 
 pub(super) fn default_row(editor: &mut Editor, command: &'static str) -> Effect {
@@ -160,7 +160,8 @@ pub(super) fn type_row(editor: &mut Editor) -> Effect {
 pub(super) fn type_point(editor: &mut Editor) -> Effect {
     let point_idx = editor.view.point_idx;
     let p = editor.document.solved().control_points()[point_idx];
-    ask(editor, Asking::Coordinates { point_idx }, &format!("{} {} {}", p.x, p.y, p.z))
+    let offered = editor.offered_place(p);
+    ask(editor, Asking::Coordinates { point_idx }, &offered)
 }
 
 pub(super) fn choose_point(editor: &mut Editor, by: i64) -> Effect {
@@ -241,16 +242,30 @@ pub(super) fn toggle_follow(editor: &mut Editor, command: &'static str) -> Effec
 
 pub(super) fn move_camera(editor: &mut Editor, command: &'static str, by: Move) -> Effect {
     camera::change(editor, command, by);
+    views::tell_moved(editor);
     Effect::None
 }
 
-pub(super) fn travel(editor: &mut Editor, word: &str, go: fn(&mut crate::document::Document) -> bool) -> Effect {
-    let moved = go(&mut editor.document);
+/// Undoes a step.
+pub(super) fn undo(editor: &mut Editor) -> Effect {
+    let what = editor.document.undoable().map(str::to_owned);
+    editor.document.undo();
+    travelled(editor, "undo", what)
+}
+
+/// Does a step again.
+pub(super) fn redo(editor: &mut Editor) -> Effect {
+    let what = editor.document.redoable().map(str::to_owned);
+    editor.document.redo();
+    travelled(editor, "redo", what)
+}
+
+/// Says what was undone or done again, and how far one can go on.
+fn travelled(editor: &mut Editor, verb: &str, what: Option<String>) -> Effect {
     let (back, forward) = editor.document.depth();
-    editor.say(Message::note(if moved {
-        format!("{word}: {back} steps behind, {forward} ahead")
-    } else {
-        format!("nothing to {word}")
+    editor.say(Message::note(match what {
+        Some(what) => format!("{verb}ne: {what} ({back} behind, {forward} ahead)"),
+        None => format!("nothing to {verb}"),
     }));
     editor.follow_document();
     Effect::None

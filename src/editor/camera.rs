@@ -5,6 +5,7 @@ use glam::{DQuat, DVec3};
 use super::{Editor, area::PlanArea};
 use crate::{
     document::{CameraEdits, Change, Document, ProjectionKind, Solved, parameter},
+    motion::UpAxis,
     scene::{Camera, Projection},
 };
 
@@ -19,6 +20,8 @@ const PAN_STEP: f64 = 0.08;
 const ZOOM_STEP: f64 = 0.88;
 /// The line of sight keeps this angle from the up direction, radians, so that up stays defined.
 const POLE_GAP: f64 = 0.02;
+/// Views that look from directions nearer to each other than this, radians, go by one name.
+const SAME_DIRECTION: f64 = 1e-3;
 /// A following preset frames this many body heights around the carrier, each way.
 const FOLLOW_HEIGHTS: f64 = 0.9;
 /// Presets frame for pictures at least this wide for their height; of two views side by side each is half as wide.
@@ -63,13 +66,7 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize, layout: u
     let solved = document.solved();
     let edits = &document.edits().view.cameras[camera_idx];
     let to_world = |v: DVec3| solved.clip.facts.up.value.to_world(v);
-    let direction = match camera_idx {
-        0 => DVec3::new(0.62, 0.42, 0.66),
-        1 => DVec3::Z,
-        2 => DVec3::X,
-        _ => DVec3::Y,
-    }
-    .normalize();
+    let direction = own_direction(camera_idx);
     let own_projection = if camera_idx == 0 { ProjectionKind::Perspective } else { ProjectionKind::Orthographic };
     let height = solved.clip.facts.height.value;
     let (centre, framed): (DVec3, &[DVec3]) = if edits.follow {
@@ -94,6 +91,17 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize, layout: u
         Preset { eye, target, up: edits.up.map_or(own_up, to_world), fov_y_rad, projection, follow: edits.follow };
     preset.mend(height);
     preset
+}
+
+/// Returns where a preset as it came looks from: the direction from what is looked at to the eye, unit.
+fn own_direction(camera_idx: usize) -> DVec3 {
+    let direction = match camera_idx {
+        0 => DVec3::new(0.62, 0.42, 0.66),
+        1 => DVec3::Z,
+        2 => DVec3::X,
+        _ => DVec3::Y,
+    };
+    direction.normalize()
 }
 
 /// Returns how wide for its height a view is, at least, in a window of so many.
@@ -140,6 +148,24 @@ impl Preset {
         if self.up.cross(sight).length() < 1e-3 {
             self.up = if sight.y.abs() > 0.9 { DVec3::NEG_Z } else { DVec3::Y };
         }
+    }
+
+    /// Says where it looks from: the preset's own name while it does so from there, else along an axis of the clip.
+    pub(super) fn name(&self, camera_idx: usize, up: UpAxis) -> &'static str {
+        let from = (self.eye - self.target).normalize();
+        let is_from = |direction: DVec3| from.angle_between(direction) < SAME_DIRECTION;
+        let along = [
+            (DVec3::X, "along x"),
+            (DVec3::Y, "along y"),
+            (DVec3::Z, "along z"),
+            (DVec3::NEG_X, "along −x"),
+            (DVec3::NEG_Y, "along −y"),
+            (DVec3::NEG_Z, "along −z"),
+        ];
+        if is_from(own_direction(camera_idx)) {
+            return PRESET_NAMES[camera_idx];
+        }
+        along.into_iter().find(|(axis, _)| is_from(up.to_world(*axis))).map_or("turned", |(_, name)| name)
     }
 
     /// Returns the camera of this moment.

@@ -9,8 +9,8 @@ use super::{
     Asking, Editor, Effect, TABS,
     actions::{
         ask, choose_point, default_row, delete_point, export_name, insert_point, jump, move_camera, move_row, nudge,
-        nudge_name, project_name, save, set_camera, shape, step_frame, step_row, step_value, steps, toggle_follow,
-        travel, turn_tab, type_point, type_row, types, why,
+        nudge_name, project_name, redo, save, set_camera, shape, step_frame, step_row, step_value, steps,
+        toggle_follow, turn_tab, type_point, type_row, types, undo, why,
     },
     camera::{self, Move},
     feet, joints, layers, look, loops, map_keys, pose, views,
@@ -431,6 +431,7 @@ pub const COMMANDS: &[Command] = &[
     ),
     row(Group::Camera, "camera.reset", &["ar"], "The preset as it came.", always, |e, c| {
         camera::put(e, c, CameraEdits::default());
+        views::tell_moved(e);
         Effect::None
     }),
     row(Group::Show, "show.original_skeleton", &["vo"], "The actor as captured.", always, |e, c| {
@@ -481,10 +482,8 @@ pub const COMMANDS: &[Command] = &[
         e.view.help = Some(0);
         Effect::None
     }),
-    row(Group::File, "undo", &["u"], "Undo.", always, |e, _| travel(e, "undo", crate::document::Document::undo)),
-    row(Group::File, "redo", &["U", "<c-r>"], "Redo.", always, |e, _| {
-        travel(e, "redo", crate::document::Document::redo)
-    }),
+    row(Group::File, "undo", &["u"], "Undo.", always, |e, _| undo(e)),
+    row(Group::File, "redo", &["U", "<c-r>"], "Redo.", always, |e, _| redo(e)),
     row(Group::File, "window", &["w"], "Open the window, or close the one it is pressed in.", always, |_, _| {
         Effect::ToggleWindow
     }),

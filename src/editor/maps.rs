@@ -1,21 +1,26 @@
 //! The maps tab: what layers do to the joint that keys act on, over all frames, and the keys of the selection.
+//!
+//! All layers together turn a joint about some axis. A layer that goes from key to key by Euler angles is charted alone
+//! and as it is: by what it adds to each of the joint's channels.
 
 use glam::{DQuat, DVec3};
 
 use super::{Editor, Handle, Row, RowKind, TABS, Tab, panel};
 use crate::{
-    displace::{MapPoint, PointValue, Selection, find_joint, joint_name},
+    displace::{MapPoint, PointValue, Selection, Stack, find_joint, joint_name},
     math::rotation_vector_between,
+    skeleton::JointId,
 };
 
-/// What all layers together do to one joint or to the carrier's place, frame by frame of the clip.
+/// What layers do to one joint or to the carrier's place, frame by frame of the clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapSeries {
     /// What it is of, for people.
     pub title: String,
     /// Names of the three components.
     pub names: [&'static str; 3],
-    /// Degrees about the joint's own x, y, z; or the offset along the path's axes in the clip's unit.
+    /// Degrees about the joint's own x, y, z, or added to its channels in their order; or the offset along the path's
+    /// axes in the clip's unit.
     pub values: [Vec<f64>; 3],
     /// Unit of the values.
     pub unit: String,
@@ -24,6 +29,11 @@ pub struct MapSeries {
 impl Editor {
     /// Returns what layers do to the joint of the selected key; while none is listed, to the handle that keys act on.
     pub fn map_series(&self) -> MapSeries {
+        if let Handle::Joint(id) = self.charted()
+            && let Some(series) = self.channel_series(id)
+        {
+            return series;
+        }
         let solved = self.document.solved();
         let clip = &solved.clip;
         let displaced = &solved.posed.of_clip;
@@ -50,8 +60,23 @@ impl Editor {
                 ((0..n_frames).map(degrees).collect(), ["x", "y", "z"], "°".to_owned())
             }
         };
-        let values = [0, 1, 2].map(|axis| values.iter().map(|value| value[axis]).collect());
-        MapSeries { title, names, values, unit }
+        MapSeries { title, names, values: components(&values), unit }
+    }
+
+    /// Returns what the layer in use adds to a joint's channels; none when it does not go by them.
+    fn channel_series(&self, id: JointId) -> Option<MapSeries> {
+        let solved = self.document.solved();
+        let clip = &solved.clip;
+        let stack = Stack { clip, base: &solved.posed.base.joints, layers: &self.document.edits().layers };
+        let layer = self.layer()?;
+        let values = stack.channel_offsets(self.view.layer_idx, id)?;
+        let axes = clip.rotation_order(id.idx())?.axes();
+        Some(MapSeries {
+            title: format!("{}, channels · {}", super::joints::name(clip, Handle::Joint(id)), layer.name),
+            names: axes.map(|axis| ["x", "y", "z"][axis]),
+            values: components(&values),
+            unit: "°".to_owned(),
+        })
     }
 
     fn charted(&self) -> Handle {
@@ -76,6 +101,10 @@ impl Editor {
             Handle::Joint(id) => Selection { position: false, joints: [joint_name(skeleton, id)].into() },
         }
     }
+}
+
+fn components(values: &[DVec3]) -> [Vec<f64>; 3] {
+    [0, 1, 2].map(|axis| values.iter().map(|value| value[axis]).collect())
 }
 
 /// Returns the map points of the selection, a row for each.

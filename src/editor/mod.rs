@@ -31,6 +31,8 @@ use std::{
     sync::Arc,
 };
 
+use glam::DVec3;
+
 use crate::{
     document::{Change, Document, EXTENSION, KeyChange, Solved, parse_assignment},
     key::Key,
@@ -50,6 +52,9 @@ pub use views::Window;
 
 /// Steps of one command within this time are one step of undo.
 const HELD_SECS: f64 = 0.7;
+
+/// Places nearer to each other than this, body heights, are offered as the same.
+const SAME_PLACE: f64 = 1e-9;
 
 /// What the editor asks of the program around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,6 +161,11 @@ impl Editor {
         keymap::hints(self)
     }
 
+    /// Keeps the help's first line within what there is to scroll to, which only who draws it knows.
+    pub fn end_help_at(&mut self, last: usize) {
+        self.view.help = self.view.help.map(|line| line.min(last));
+    }
+
     /// Lets time pass: moves the playhead while playing. Returns whether anything to be seen changed.
     pub fn advance(&mut self, secs: f64) -> bool {
         self.clock_secs += secs;
@@ -248,6 +258,11 @@ impl Editor {
         self.change(command, &Change::Set { values: vec![(name.to_owned(), value)], shape: None });
     }
 
+    /// Writes a place, in the clip's axes and unit, to be offered: what it leaves out is nothing that can be seen.
+    fn offered_place(&self, at: DVec3) -> String {
+        prompt::coordinates(at, SAME_PLACE * self.document.solved().clip.facts.height.value)
+    }
+
     /// Ends the joining of steps: the next one is its own.
     fn end_step(&mut self) {
         self.last_step = None;
@@ -271,6 +286,9 @@ impl Editor {
     /// Acts on a finished line; one that cannot be used stays open with the reason.
     fn answer(&mut self, prompt: Prompt, text: &str) -> Effect {
         self.end_step();
+        if prompt.keeps() {
+            return Effect::None;
+        }
         match &prompt.asking {
             Asking::Quit => return if text.starts_with('y') { Effect::Quit } else { Effect::None },
             Asking::Value { name } => {

@@ -29,7 +29,7 @@ pub enum Tab {
     Layers,
     /// What the layers do to the joint that keys act on, and the selection's keys.
     Maps,
-    /// Residuals over time.
+    /// Residuals over time, and the degree they belong to.
     Residuals,
     /// Quality numbers.
     Quality,
@@ -91,7 +91,8 @@ impl Tab {
             }
             Self::Feet => section == "plants",
             Self::Layers => section == "pose" || parameter.name == "interpolation_keys",
-            Self::Joints | Self::Maps | Self::Residuals | Self::Quality => false,
+            Self::Residuals => parameter.name == "original.degree",
+            Self::Joints | Self::Maps | Self::Quality => false,
         }
     }
 }

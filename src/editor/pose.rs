@@ -85,7 +85,7 @@ pub(super) fn ask(editor: &mut Editor) -> Effect {
         Tool::Move => {
             let at = place(solved, editor.view.frame_idx, editor.view.joints.active);
             let at = solved.clip.facts.up.value.to_file(at);
-            Prompt::new(Asking::MoveJoint { name }, &format!("{} {} {}", at.x, at.y, at.z))
+            Prompt::new(Asking::MoveJoint { name }, &editor.offered_place(at))
         }
         Tool::Turn => Prompt::new(Asking::TurnJoint { name }, "0 0 0"),
     });

@@ -6,6 +6,12 @@ use glam::DVec3;
 
 use crate::key::{Code, Key};
 
+/// Decimals beyond which rounding is not tried: those that a number of size 1 has.
+const MOST_DECIMALS: usize = 17;
+
+/// Characters from which on a number is written with a power of ten.
+const LONGEST: usize = 24;
+
 /// What is being asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asking {
@@ -77,6 +83,8 @@ pub struct Prompt {
     pub cursor: usize,
     /// The text is the one offered; the first character typed replaces it.
     offered: bool,
+    /// The text offered first.
+    first_offered: String,
 }
 
 /// What a key did to the line.
@@ -93,7 +101,13 @@ pub(super) enum Answer {
 impl Prompt {
     /// Begins a line with an offered text.
     pub fn new(asking: Asking, offered: &str) -> Self {
-        Self { asking, text: offered.to_owned(), cursor: offered.chars().count(), offered: !offered.is_empty() }
+        Self {
+            asking,
+            text: offered.to_owned(),
+            cursor: offered.chars().count(),
+            offered: !offered.is_empty(),
+            first_offered: offered.to_owned(),
+        }
     }
 
     /// Returns what stands before the line.
@@ -120,6 +134,14 @@ impl Prompt {
     /// Returns the line ready to be corrected.
     pub(super) fn again(self) -> Self {
         Self { offered: false, cursor: self.text.chars().count(), ..self }
+    }
+
+    /// Tells whether the line is about a value and says what it said when it was offered: then the value stays as it
+    /// is, to the last digit.
+    pub(super) fn keeps(&self) -> bool {
+        let is_value =
+            matches!(self.asking, Asking::Value { .. } | Asking::Coordinates { .. } | Asking::MoveJoint { .. });
+        is_value && self.text == self.first_offered
     }
 
     fn is_yes_no(&self) -> bool {
@@ -174,6 +196,27 @@ impl Prompt {
     }
 }
 
+/// Writes `x y z` with as few digits as change no coordinate by more than `tolerance`.
+pub(super) fn coordinates(v: DVec3, tolerance: f64) -> String {
+    v.to_array().map(|n| shortest(n, tolerance)).join(" ")
+}
+
+/// Writes a number that is no farther than this from `n`, in few characters.
+fn shortest(n: f64, tolerance: f64) -> String {
+    if n.abs() <= tolerance {
+        return "0".to_owned();
+    }
+    let is_near = |text: &String| text.parse::<f64>().is_ok_and(|read| (read - n).abs() <= tolerance);
+    let rounded = (0..=MOST_DECIMALS).map(|decimals| format!("{n:.decimals$}")).find(is_near);
+    let exact = n.to_string();
+    match rounded {
+        Some(text) if text.len() < exact.len() => text,
+        // All digits before the point are written: hundreds, of huge numbers.
+        _ if exact.len() > LONGEST => format!("{n:e}"),
+        _ => exact,
+    }
+}
+
 /// Reads `x y z`, with spaces or commas, with or without brackets.
 pub(super) fn parse_coordinates(text: &str) -> Option<DVec3> {
     let text = text.trim().trim_start_matches('[').trim_end_matches(']');
@@ -205,6 +248,23 @@ mod tests {
     fn an_offered_text_is_replaced_or_edited() {
         assert_eq!(typed("walk.toml", "x"), ("x".to_owned(), 1));
         assert_eq!(typed("walk.toml", "<left>x"), ("walk.tomxl".to_owned(), 9));
+    }
+
+    #[test]
+    fn coordinates_are_offered_with_the_digits_that_matter() {
+        let written = |x: f64| coordinates(DVec3::new(x, 0.0, -1e-12), 1e-9);
+        for (x, expected) in [
+            (0.1 + 0.2, "0.3 0 0"),
+            (-17.25, "-17.25 0 0"),
+            (100.0 / 3.0, "33.333333333 0 0"),
+            (1e20, "100000000000000000000 0 0"),
+            (1e300, "1e300 0 0"),
+            (-2.5e-300, "0 0 0"),
+        ] {
+            assert_eq!(written(x), expected);
+            let read = parse_coordinates(&written(x)).expect("it reads");
+            assert!((read.x - x).abs() <= 1e-9, "{x}");
+        }
     }
 
     #[test]

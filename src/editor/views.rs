@@ -6,11 +6,7 @@
 
 use toml::Value;
 
-use super::{
-    Editor, Effect, Message,
-    camera::{self, PRESET_NAMES},
-    view::ViewState,
-};
+use super::{Editor, Effect, Message, camera, view::ViewState};
 use crate::{
     document::{Document, OneViewEdits, ProjectionKind, Show, WindowEdits, parameter},
     scene::{Object, Objects, View},
@@ -128,7 +124,23 @@ pub(super) fn next(editor: &mut Editor) -> Effect {
 pub(super) fn use_camera(editor: &mut Editor, command: &'static str, camera_idx: usize) -> Effect {
     let (view, _) = sections(&editor.view);
     editor.set(command, &format!("{view}.camera"), Value::Integer(camera_idx as i64 + 1));
+    tell_camera(editor, "");
     Effect::None
+}
+
+/// Says that the camera of the view in focus was moved, which the plan does not show.
+pub(super) fn tell_moved(editor: &mut Editor) {
+    tell_camera(editor, "; the window (w) and the picture (b) show it");
+}
+
+/// Says which camera the view in focus is seen from, unless there is something to tell already.
+fn tell_camera(editor: &mut Editor, more: &str) {
+    if editor.view.message.is_none() {
+        let views = views(&editor.document, &editor.view, editor.view.window);
+        let title = &views[editor.view.focused()].title;
+        let view = editor.view_in_focus();
+        editor.say(Message::note(format!("{view}camera {title}{more}")));
+    }
 }
 
 /// Shows what `name` (a row of `show.*`) draws in the view in focus, or leaves it out there; all other views stay as
@@ -172,6 +184,7 @@ fn hiding(editor: &Editor, hide: &str, object: &str, hidden: bool) -> (String, V
 /// Builds a window's views.
 pub(super) fn views(document: &Document, view: &ViewState, window: Window) -> Vec<View> {
     let WindowEdits { layout, views } = edits(document, window);
+    let up = document.solved().clip.facts.up.value;
     let build = |(idx, &OneViewEdits { camera_idx, shows }): (usize, &OneViewEdits)| {
         let preset = camera::preset(document, &view.area, camera_idx, *layout);
         let kind = match preset.projection {
@@ -182,7 +195,7 @@ pub(super) fn views(document: &Document, view: &ViewState, window: Window) -> Ve
         let several = *layout > 1;
         View {
             camera: preset.camera(camera::follow_offset(document, view.frame_idx)),
-            title: format!("{} {}, {kind}{follows}", camera_idx + 1, PRESET_NAMES[camera_idx]),
+            title: format!("{} {}, {kind}{follows}", camera_idx + 1, preset.name(camera_idx, up)),
             shows: if several { objects(shows) } else { Objects::ALL },
             focused: several && idx == view.focus[window.idx()],
         }

@@ -28,13 +28,15 @@ use super::{
 use crate::{
     contact::{FootPlants, Plant},
     editor::{Editor, Hint, RowKind, Severity, TABS, Tab},
-    scene::{Picture, Role, Scene},
+    scene::{Objects, Picture, Role, Scene},
 };
 
 /// Widest panel, cells.
 const PANEL_MAX: u16 = 52;
 /// Narrowest panel, cells.
 const PANEL_MIN: u16 = 36;
+/// Lines of the rows below the residuals, with their help.
+const RESIDUAL_ROWS: u16 = 6;
 /// The keys the foot line shows, in this order, as far as there is room.
 const FIRST_KEYS: &str = "? keys  space play  tab panel  j k row  + - value  n p point  xyz XYZ move  s shape  h l plant  1-4 view  u undo  q quit";
 
@@ -86,8 +88,17 @@ impl Parts {
     }
 }
 
-/// Draws the editor. Returns the size in pixels at which a rendered picture fits its place.
-pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surroundings<'_>) -> (u32, u32) {
+/// What drawing found out about its places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// The size in pixels at which a rendered picture fits its place.
+    pub picture_size: (u32, u32),
+    /// The first line of the help when its end is shown; 0 while it is closed.
+    pub help_end: usize,
+}
+
+/// Draws the editor.
+pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surroundings<'_>) -> Drawn {
     let parts = Parts::of(frame.area());
     let buf = frame.buffer_mut();
     draw_title(buf, parts.title, editor, around);
@@ -97,9 +108,10 @@ pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surr
     let cursor = draw_status(buf, parts.status, editor, around.palette);
     let first_keys = if TABS[editor.view().tab_idx].is_of_joints() { FIRST_KEYS_OF_JOINTS } else { FIRST_KEYS };
     text::put(buf, parts.keys, 0, 0, first_keys, around.palette.dim());
+    let mut help_end = 0;
     if let Some(scroll) = editor.view().help {
         let body = parts.view.union(parts.panel);
-        draw_hints(buf, body, &editor.hints(), scroll, around.palette);
+        help_end = draw_hints(buf, body, &editor.hints(), scroll, around.palette);
     } else if !editor.pending().is_empty() {
         let hints = editor.hints();
         let height = (hints.len() as u16 + 2).min(parts.view.height);
@@ -109,7 +121,7 @@ pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surr
     if let Some(cursor) = cursor {
         frame.set_cursor_position(cursor);
     }
-    PictureView::pixels(parts.view.as_size())
+    Drawn { picture_size: PictureView::pixels(parts.view.as_size()), help_end }
 }
 
 fn draw_title(buf: &mut Buffer, area: Rect, editor: &Editor, around: &Surroundings<'_>) {
@@ -136,6 +148,9 @@ fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, aroun
                 2 => Direction::Side,
                 _ => Direction::Top,
             };
+            // The plan is the view in focus in its own way: it leaves out what that view does.
+            let views = &scene.now.views;
+            let seen = views.iter().find(|view| view.focused).or(views.first());
             let framed = &editor.view().area;
             let half = framed.half_extents;
             let (half_width, half_height) = match direction {
@@ -147,6 +162,7 @@ fn draw_view(buf: &mut Buffer, area: Rect, editor: &Editor, scene: &Scene, aroun
                 scene,
                 direction,
                 extent: Extent { centre: framed.centre, half_width, half_height },
+                shows: seen.map_or(Objects::ALL, |view| view.shows),
                 up: clip.facts.up.value,
                 unit: clip.facts.unit.value.unwrap_or(""),
                 palette,
@@ -160,14 +176,17 @@ fn draw_panel(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
     let [tabs, body] = Layout::vertical([Constraint::Length(1), Constraint::Fill(1)]).areas(area);
     let titles = TABS.map(Tab::title);
     Tabs { titles: &titles, selected: editor.view().tab_idx, palette }.render(tabs, buf);
-    if TABS[editor.view().tab_idx] == Tab::Residuals {
-        draw_residuals(buf, body, editor, palette);
-        return;
-    }
-    let charts = TABS[editor.view().tab_idx] == Tab::Maps;
-    let [chart, body] = Layout::vertical([Constraint::Fill(u16::from(charts)), Constraint::Fill(1)]).areas(body);
-    if charts {
-        draw_maps(buf, chart, editor, palette);
+    let tab = TABS[editor.view().tab_idx];
+    let (above, below) = match tab {
+        Tab::Maps => (Constraint::Fill(1), Constraint::Fill(1)),
+        Tab::Residuals => (Constraint::Fill(1), Constraint::Length(RESIDUAL_ROWS)),
+        _ => (Constraint::Length(0), Constraint::Fill(1)),
+    };
+    let [chart, body] = Layout::vertical([above, below]).areas(body);
+    match tab {
+        Tab::Maps => draw_maps(buf, chart, editor, palette),
+        Tab::Residuals => draw_residuals(buf, chart, editor, palette),
+        _ => {}
     }
     let rows = editor.rows();
     let help = rows.iter().find(|row| row.selected).map_or("", |row| row.help.as_str());
@@ -302,7 +321,8 @@ fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) 
     None
 }
 
-fn draw_hints(buf: &mut Buffer, area: Rect, hints: &[Hint], scroll: usize, palette: Palette) {
+/// Draws help from a line on; returns the first line when its end is shown.
+fn draw_hints(buf: &mut Buffer, area: Rect, hints: &[Hint], scroll: usize, palette: Palette) -> usize {
     let mut groups: Vec<KeyGroup<'_>> = Vec::new();
     for hint in hints {
         let title = hint.group.title();
@@ -314,5 +334,7 @@ fn draw_hints(buf: &mut Buffer, area: Rect, hints: &[Hint], scroll: usize, palet
     }
     Clear.render(area, buf);
     let scroll = u16::try_from(scroll).unwrap_or(u16::MAX);
-    KeyHelp { groups: &groups, scroll, palette }.render(area, buf);
+    let help = KeyHelp { groups: &groups, scroll, palette };
+    help.render(area, buf);
+    usize::from(help.n_lines(area.width).saturating_sub(area.height))
 }

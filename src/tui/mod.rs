@@ -29,7 +29,7 @@ pub mod timeline;
 
 pub use chart::{Chart, Series};
 pub use colour::{Depth, Palette};
-pub use draw::{Surroundings, draw};
+pub use draw::{Drawn, Surroundings, draw};
 pub use input::{InputEvent, InputThread};
 pub use key_help::{KeyGroup, KeyHelp};
 pub use parameters::{ParameterList, ParameterRow};

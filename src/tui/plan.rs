@@ -25,7 +25,7 @@ use super::{
 use crate::{
     math::heading_rotation,
     motion::{Side, UpAxis},
-    scene::{Body, Footprint, Label, Mark, Role, Scene, Stroke},
+    scene::{Body, Footprint, Label, Mark, Object, Objects, Role, Scene, Stroke},
 };
 
 /// The end of a limb is a foot when it is in this lowest share of the body's height.
@@ -40,6 +40,8 @@ pub struct PlanView<'a> {
     pub direction: Direction,
     /// The part of the world that is seen.
     pub extent: Extent,
+    /// Which of the scene's objects are seen.
+    pub shows: Objects,
     /// The clip's up axis, which decides the names of the axes.
     pub up: UpAxis,
     /// Name of the clip's length unit; may be empty.
@@ -72,7 +74,7 @@ impl Widget for &PlanView<'_> {
 
 impl PlanView<'_> {
     fn draw_ground(&self, map: &Map, canvas: &mut Canvas) {
-        let Some(ground) = self.scene.still.ground else { return };
+        let Some(ground) = self.scene.still.ground.filter(|_| self.shows.contains(Object::Ground)) else { return };
         let style = self.palette.role(Role::Ground);
         if self.direction != Direction::Top {
             let edge = DVec3::splat(ground.half_extent);
@@ -99,7 +101,7 @@ impl PlanView<'_> {
     }
 
     fn draw_curves(&self, map: &Map, canvas: &mut Canvas) {
-        let mut curves: Vec<_> = self.scene.still.curves.iter().collect();
+        let mut curves: Vec<_> = self.scene.still.curves.iter().filter(|curve| self.sees(curve.role)).collect();
         curves.sort_by_key(|curve| rank(curve.role));
         for curve in curves {
             let line = match curve.stroke {
@@ -126,8 +128,9 @@ impl PlanView<'_> {
     /// Puts footprints over lines; symbols and labels go over them. One that would be under a mark that stays, or over
     /// another print, is put a cell farther out on the foot's own side.
     fn put_footprints(&self, map: &Map, buf: &mut Buffer) {
-        let mut taken: HashSet<Position> = self.scene.still.marks.iter().filter_map(|m| map.cell(m.at)).collect();
-        for print in &self.scene.still.footprints {
+        let marks = self.scene.still.marks.iter().filter(|mark| self.sees(mark.role));
+        let mut taken: HashSet<Position> = marks.filter_map(|mark| map.cell(mark.at)).collect();
+        for print in self.scene.still.footprints.iter().filter(|print| self.sees(print.role)) {
             let Some(own) = map.cell(print.at) else { continue };
             let beside = map.cell_beside(own, outwards(print));
             let cell = if taken.contains(&own) { beside.filter(|c| !taken.contains(c)).unwrap_or(own) } else { own };
@@ -150,7 +153,8 @@ impl PlanView<'_> {
             symbols.extend(feet.into_iter().map(|p| (p, foot, style)));
             symbols.extend(root.map(|p| (p, hips, style)));
         }
-        let mut marks: Vec<&Mark> = self.scene.still.marks.iter().chain(&self.scene.now.marks).collect();
+        let marks = self.scene.still.marks.iter().chain(&self.scene.now.marks);
+        let mut marks: Vec<&Mark> = marks.filter(|mark| self.sees(mark.role)).collect();
         marks.sort_by_key(|mark| rank(mark.role));
         symbols.extend(marks.into_iter().map(|mark| (mark.at, mark_symbol(mark.role), self.palette.role(mark.role))));
         for (at, symbol, style) in symbols {
@@ -165,8 +169,7 @@ impl PlanView<'_> {
     /// others are left out where there is no room.
     fn put_labels(&self, map: &Map, cover: &mut Cover, buf: &mut Buffer) {
         let number = self.selected_number();
-        let mut labels: Vec<&Label> =
-            self.scene.still.labels.iter().chain(&self.scene.now.labels).chain(&number).collect();
+        let mut labels: Vec<&Label> = self.labels().chain(&number).collect();
         labels.sort_by_key(|label| std::cmp::Reverse(rank(label.role)));
         for label in labels {
             let Some(cell) = map.cell(label.at) else { continue };
@@ -198,9 +201,21 @@ impl PlanView<'_> {
         }
     }
 
+    /// Tells whether things of a role are seen.
+    fn sees(&self, role: Role) -> bool {
+        self.shows.contains(role.object())
+    }
+
+    /// Returns the scene's texts that are seen.
+    fn labels(&self) -> impl Iterator<Item = &Label> {
+        let labels = self.scene.still.labels.iter().chain(&self.scene.now.labels);
+        labels.filter(|label| self.shows.contains(Object::Labels) && self.sees(label.role))
+    }
+
     /// Returns the bodies that are there now, the new one last.
     fn bodies(&self) -> impl Iterator<Item = (&Body, &[DVec3])> {
         let mut bodies: Vec<_> = self.scene.still.bodies.iter().zip(self.scene.now.actors.iter()).collect();
+        bodies.retain(|(body, _)| self.sees(body.role));
         bodies.sort_by_key(|(body, _)| rank(body.role));
         bodies.into_iter().map(|(body, points)| (body, points.as_slice()))
     }
@@ -208,11 +223,11 @@ impl PlanView<'_> {
     /// Returns the selected control point's number, counted from 1, unless the scene labels it itself.
     fn selected_number(&self) -> Option<Label> {
         let role = Role::SelectedControlPoint;
-        let still = &self.scene.still;
-        if still.labels.iter().chain(&self.scene.now.labels).any(|label| label.role == role) {
+        if !self.sees(role) || self.labels().any(|label| label.role == role) {
             return None;
         }
-        let points = still.marks.iter().filter(|m| matches!(m.role, Role::ControlPoint | Role::SelectedControlPoint));
+        let points =
+            self.scene.still.marks.iter().filter(|m| matches!(m.role, Role::ControlPoint | Role::SelectedControlPoint));
         let (idx, selected) = points.enumerate().find(|(_, mark)| mark.role == role)?;
         Some(Label { role, at: selected.at, text: (idx + 1).to_string() })
     }
@@ -358,7 +373,8 @@ mod tests {
 
     fn view(scene: &Scene, direction: Direction) -> PlanView<'_> {
         let extent = Extent::of(scene, direction);
-        PlanView { scene, direction, extent, up: UpAxis::Y, unit: "m", palette: Palette::new(Depth::True) }
+        let (shows, palette) = (Objects::ALL, Palette::new(Depth::True));
+        PlanView { scene, direction, extent, shows, up: UpAxis::Y, unit: "m", palette }
     }
 
     fn drawn(scene: &Scene, direction: Direction, width: u16, height: u16) -> Vec<String> {

@@ -1,7 +1,7 @@
 //! Where text goes: view titles, the caption and labels, laid out in pixels.
 //!
 //! A font pixel is a whole number of picture pixels, so letters stay crisp. A label stands over its point and gives way
-//! upwards to text that is already there; nearer labels go first.
+//! upwards to text that is already there, and is left out where there is no room; nearer labels go first.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
@@ -33,7 +33,7 @@ const STRIP: [f32; 4] = [0.004, 0.004, 0.006, 0.55];
 
 /// A picture smaller than this shows no text: it would cover what it names.
 const SMALLEST: (u32, u32) = (200, 150);
-/// How often a label gives way before it is drawn over another.
+/// How often a label gives way before it is left out.
 const TRIES: u32 = 5;
 
 /// Lays out all text of a picture; `views` are its tiles with their lenses, in the order of the scene's views.
@@ -136,7 +136,12 @@ impl Page {
             top = other[1] - self.em() - i64::from(self.scale) * 2;
         }
         top = top.max(i64::from(tile.y));
-        self.taken.push([left, top, left + width, top + self.em()]);
+        let place = [left, top, left + width, top + self.em()];
+        // Two texts on one place can neither be read.
+        if self.taken.iter().any(|taken| overlap(taken, &place)) {
+            return;
+        }
+        self.taken.push(place);
         let [r, g, b, _] = batch::colour(label.role).map(|c| c + (1.0 - c) * 0.35);
         self.write(&text, left, top, [r, g, b, 1.0]);
     }
@@ -241,6 +246,20 @@ mod tests {
         let near = (304.0, 164.0);
         assert_eq!(at[0], near, "the nearer one stands at its point");
         assert_eq!(at[4].1, 154.0, "the farther one above it");
+    }
+
+    #[test]
+    fn labels_without_room_are_left_out() {
+        let crowd: Vec<_> = (0..20).map(|i| ("x", DVec3::Z * f64::from(i) * 0.01)).collect();
+        for at in [DVec3::ZERO, DVec3::Y * 0.9] {
+            let crowd: Vec<_> = crowd.iter().map(|&(text, off)| (text, at + off)).collect();
+            let places = places(&glyphs(&scene(&crowd, "", ""), 640, 360));
+            let apart = |a: &(f32, f32), b: &(f32, f32)| (a.1 - b.1).abs() >= 8.0 || (a.0 - b.0).abs() >= 8.0;
+            assert!((1..20).contains(&places.len()), "{places:?}");
+            for (i, a) in places.iter().enumerate() {
+                assert!(places[i + 1..].iter().all(|b| apart(a, b)), "{places:?}");
+            }
+        }
     }
 
     #[test]

@@ -9,9 +9,9 @@ use std::{env, fs, path::Path, process::Command};
 use ratatui::{Terminal, backend::TestBackend, buffer::Buffer, layout::Position};
 use walkabout::{
     document::{self, Document},
-    editor::{Editor, Message, TABS},
+    editor::{Editor, Message, TABS, Tab},
     scene::Picture,
-    tui::{self, Depth, Palette, Surroundings},
+    tui::{self, Depth, Drawn, Palette, Surroundings},
 };
 
 const AROUND: Surroundings<'_> = Surroundings {
@@ -36,14 +36,14 @@ fn after(keys: &str) -> Editor {
     editor
 }
 
-/// Draws a screen; returns it with the place of the cursor, if it is shown, and the size of picture that is wanted.
-fn drawn(editor: &Editor, around: &Surroundings<'_>, (width, height): (u16, u16)) -> (Buffer, Position, (u32, u32)) {
+/// Draws a screen; returns it with the place of the cursor, if it is shown, and what drawing found out.
+fn drawn(editor: &Editor, around: &Surroundings<'_>, (width, height): (u16, u16)) -> (Buffer, Position, Drawn) {
     let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("no terminal to fail");
     let scene = editor.scene();
-    let mut pixels = (0, 0);
-    terminal.draw(|frame| pixels = tui::draw(frame, editor, &scene, around)).expect("no terminal to fail");
+    let mut found = Drawn::default();
+    terminal.draw(|frame| found = tui::draw(frame, editor, &scene, around)).expect("no terminal to fail");
     let cursor = terminal.get_cursor_position().expect("no terminal to fail");
-    (terminal.backend().buffer().clone(), cursor, pixels)
+    (terminal.backend().buffer().clone(), cursor, found)
 }
 
 fn lines(buf: &Buffer) -> Vec<String> {
@@ -191,10 +191,55 @@ fn each_state_says_what_it_is() {
 
 #[test]
 fn a_line_being_typed_has_the_cursor_and_the_picture_is_wanted_in_the_size_of_its_place() {
-    let (buf, cursor, pixels) = drawn(&after(":ab"), &AROUND, (120, 40));
+    let (buf, cursor, found) = drawn(&after(":ab"), &AROUND, (120, 40));
     assert_eq!(lines(&buf)[38], "set NAME=VALUE: ab");
     assert_eq!(cursor, Position::new(18, 38));
-    assert_eq!(pixels, (72, 66));
+    assert_eq!(found, Drawn { picture_size: (72, 66), help_end: 0 });
+}
+
+#[test]
+fn help_scrolls_to_its_end_and_no_farther() {
+    let mut editor = after("?");
+    let shown = |editor: &mut Editor| {
+        let (buf, _, found) = drawn(editor, &AROUND, (80, 24));
+        editor.end_help_at(found.help_end);
+        lines(&buf)
+    };
+    let start = shown(&mut editor);
+    editor.keys(&"<pagedown>".repeat(40));
+    let end = shown(&mut editor);
+    assert!(start != end && end.iter().any(|line| line.contains("Quit; asks")), "{}", end.join("\n"));
+    editor.keys("j");
+    assert_eq!(shown(&mut editor), end);
+    editor.keys("k");
+    assert_ne!(shown(&mut editor), end, "one line back is one line back");
+    editor.keys("q?");
+    assert_eq!(shown(&mut editor), start);
+    let (_, _, found) = drawn(&editor, &AROUND, (300, 100));
+    assert_eq!(found.help_end, 0, "all of it is shown");
+}
+
+#[test]
+fn the_degree_is_changed_where_its_residuals_are_charted() {
+    let residuals = "<tab>".repeat(TABS.iter().position(|tab| *tab == Tab::Residuals).expect("a tab"));
+    for (keys, row) in [("", "▸ original.degree  auto"), ("]", "▸ original.degree *")] {
+        let shown = screen(&format!("{residuals}{keys}"), (80, 24)).join("\n");
+        assert!(shown.contains(row) && shown.contains("RMS x "), "{shown}");
+    }
+    let mut editor = after(&residuals);
+    let before = editor.document().solved().residual_rms();
+    editor.keys("]");
+    assert!(editor.document().solved().residual_rms().length() < before.length());
+}
+
+#[test]
+fn the_plan_leaves_out_what_the_view_in_focus_does() {
+    let plan = |keys: &str| {
+        screen(keys, (80, 24)).iter().map(|line| line.chars().take(40).collect()).collect::<Vec<String>>().join("\n")
+    };
+    assert!(plan("V2").contains('●') && !plan("V2vc").contains('●'), "{}", plan("V2vc"));
+    assert!(plan("V2vcVn4").contains('●'), "the other view shows them");
+    assert!(plan("V2vcV1").contains('●'), "a view alone shows all");
 }
 
 #[test]
