@@ -1,8 +1,9 @@
 //! Headings along a path that stay defined, continuous and slow (METHOD 2).
 //!
 //! The heading at arc length `s` is that of the horizontal chord between the path points `w` before and after. It is
-//! computed on an even grid of `s` and interpolated, so it is a function of the place on the path alone: somebody who
-//! stands still does not turn, and neighbouring grid chords differ by so little that unwrapping cannot go wrong.
+//! computed on an even grid of `s`, and a spline is laid through it. So it is a function of the place on the path alone:
+//! somebody who stands still does not turn, and neighbouring grid chords differ by so little that unwrapping cannot go
+//! wrong.
 //!
 //! ```text
 //!  s:   -w ………………… 0 … h … 2h ………………… L ………………… L+w
@@ -41,9 +42,9 @@ pub enum Headings {
         length: f64,
         /// Arc length from one grid point to the next; the first is at 0, the last not before the path's end.
         spacing: f64,
-        /// Unwrapped headings on the grid.
+        /// Unwrapped headings, as control values of a spline over the grid.
         headings_rad: Vec<f64>,
-        /// Slopes on the grid.
+        /// Slopes, likewise.
         slopes_rad: Vec<f64>,
     },
     /// The thesis's plain tangent (window 0), taken where it is needed.
@@ -71,7 +72,7 @@ impl Headings {
         let directions = listed(n_nodes, |nodes| nodes.map(|node| directions(points.chord(node), shortest)));
         let (mut headings, slopes): (Vec<_>, Vec<_>) = directions.into_iter().unzip();
         unwrap_known(&mut headings);
-        let (headings_rad, slopes_rad) = (filled(headings, fallback_rad), filled(slopes, 0.0));
+        let [headings_rad, slopes_rad] = [filled(headings, fallback_rad), filled(slopes, 0.0)].map(control_values);
         Self::Windowed { length, spacing, headings_rad, slopes_rad }
     }
 
@@ -202,17 +203,37 @@ fn held(values: Vec<Option<f64>>, fallback: f64) -> Vec<f64> {
     values.into_iter().map(|value| *value.inspect(|&v| last = v).get_or_insert(last)).collect()
 }
 
-/// Returns the value between grid points: a cubic through them with the slopes of their neighbours (Catmull–Rom).
-fn interpolated(values: &[f64], along: f64) -> f64 {
+/// Turns values on an even grid into control values of the uniform cubic B-spline through them, straight at both ends.
+///
+/// Its bends go over into one another without a jump, and so does the turning of who walks along: a spline whose bend
+/// jumps from one grid point to the next is a jerk at every one of them.
+fn control_values(values: Vec<f64>) -> Vec<f64> {
+    // Between the ends (before + 4 · it + after) / 6 is the value. What a control value is off from its value by solves a
+    // band of equations, forth and back; it is nothing where values run straight.
     let last = values.len() - 1;
+    let (mut shares, mut offsets) = (vec![0.0; values.len()], vec![0.0; values.len()]);
+    for i in 1..last {
+        shares[i] = 1.0 / (4.0 - shares[i - 1]);
+        let bend = (values[i - 1] - values[i]) + (values[i + 1] - values[i]);
+        offsets[i] = -(bend + offsets[i - 1]) * shares[i];
+    }
+    for i in (1..last).rev() {
+        offsets[i] -= shares[i] * offsets[i + 1];
+    }
+    values.iter().zip(offsets).map(|(value, offset)| value + offset).collect()
+}
+
+/// Returns the value of the spline with these control values, `along` grid steps from its start.
+fn interpolated(control: &[f64], along: f64) -> f64 {
+    let last = control.len() - 1;
     let i = (along as usize).min(last.saturating_sub(1));
     let x = along - i as f64;
-    let (b, c) = (values[i], values[(i + 1).min(last)]);
-    let (a, d) = (values[i.saturating_sub(1)], values[(i + 2).min(last)]);
-    let (from, to) = (0.5 * (c - a), 0.5 * (d - b));
-    let bend = 3.0 * (c - b) - 2.0 * from - to;
-    let twist = 2.0 * (b - c) + from + to;
-    b + x * (from + x * (bend + x * twist))
+    let (b, c) = (control[i], control[(i + 1).min(last)]);
+    let a = if i > 0 { control[i - 1] } else { 2.0 * b - c };
+    let d = if i + 2 <= last { control[i + 2] } else { 2.0 * c - b };
+    let (slope, bend) = (0.5 * (c - a), 0.5 * (a + c) - b);
+    let twist = (d - a) / 6.0 + 0.5 * (b - c);
+    b + bend / 3.0 + x * (slope + x * (bend + x * twist))
 }
 
 #[cfg(test)]
@@ -236,7 +257,8 @@ mod tests {
     fn a_circle_turns_evenly_and_the_ends_follow_their_chords() {
         let headings = Headings::along(2.0 * TAU, 0.5, 0.0, circle(1.0));
         for i in 0..=100 {
-            let s = 0.6 + (2.0 * TAU - 1.2) * i as f64 / 100.0;
+            // Where the first whole chord begins the heading has a corner, which is felt a few grid steps beyond.
+            let s = 0.65 + (2.0 * TAU - 1.3) * i as f64 / 100.0;
             assert!((heading(&headings, s) - s).abs() < 1e-5, "at {s}: {}", heading(&headings, s));
         }
         // The first chord of a circle is turned by half its arc.
@@ -303,6 +325,25 @@ mod tests {
         assert_eq!(headings, [PI / 2.0, PI / 2.0, PI / 2.0, PI / 2.0, PI]);
         assert_eq!(directions[3].1, PI / 2.0, "the slope is held too");
         assert_eq!(tangent_directions([DVec3::ZERO].into_iter(), 1e-9, 7.0), [(7.0, 0.0)]);
+    }
+
+    #[test]
+    fn the_spline_goes_through_its_values_and_its_bends_do_not_jump() {
+        const H: f64 = 1e-3;
+        let values: Vec<f64> = (0..40).map(|i| (f64::from(i * i) * 0.37).sin()).collect();
+        let control = control_values(values.clone());
+        let at = |along: f64| interpolated(&control, along);
+        let bend = |along: f64| (at(along - H) - 2.0 * at(along) + at(along + H)) / (H * H);
+        for (i, value) in values.iter().enumerate() {
+            assert!((at(i as f64) - value).abs() < 1e-12, "at {i}");
+        }
+        for i in 1..39 {
+            let (before, after) = (bend(f64::from(i) - 2.0 * H), bend(f64::from(i) + 2.0 * H));
+            assert!((before - after).abs() < 0.2, "at {i}: {before} {after}");
+        }
+        assert!((1..39).any(|i| bend(f64::from(i)).abs() > 2.0), "there are bends to jump");
+        assert_eq!(control_values(vec![0.3; 5]), [0.3; 5]);
+        assert_eq!((control_values(vec![7.0]), control_values(vec![7.0, 8.0])), (vec![7.0], vec![7.0, 8.0]));
     }
 
     #[test]
