@@ -78,6 +78,24 @@ fn check(name: &str, solved: &Solved) {
         }
     }
     assert!(solved.holding.as_ref().is_none_or(|holding| holding.missed.is_empty()), "{name}: {:?}", solved.holding);
+    let floors = floors(solved);
+    let (low, high) =
+        floors.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| (low.min(y), high.max(y)));
+    println!("  floors of the cycles {low:.3} to {high:.3} H");
+    assert!(high - low < 0.03, "{name}: who walks on level ground neither climbs nor sinks, {floors:?}");
+}
+
+/// Returns the lowest height of any point in each cycle, body heights.
+fn floors(solved: &Solved) -> Vec<f64> {
+    let seams = solved.measures.seam.iter().map(|seam| seam.frame);
+    let cuts: Vec<usize> = std::iter::once(0).chain(seams).chain([solved.edited.n_frames()]).collect();
+    // The last cycle may end with a foot in the air.
+    let whole = cuts.windows(2).take(cuts.len() - 2);
+    let lowest = |cut: &[usize]| {
+        let ys = (cut[0]..cut[1]).step_by(3).flat_map(|frame| points(solved, frame)).map(|point| point.y);
+        ys.fold(f64::INFINITY, f64::min) / solved.clip.facts.height.value
+    };
+    whole.map(lowest).collect()
 }
 
 #[test]

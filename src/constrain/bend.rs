@@ -8,13 +8,14 @@ use glam::DVec3;
 use wide::f64x4;
 
 use super::{
-    feet::{Planned, smootherstep},
+    feet::Planned,
     prepared::{LegFrame, LegPoses, PreparedLeg},
 };
 use crate::{
     math::{
         Rigid, TwoBones,
         lanes::{LANES, QuatLanes, VecLanes},
+        smootherstep,
     },
     motion::TurnedJoint,
 };

@@ -8,13 +8,12 @@ use glam::{DMat3, DQuat, DVec2, DVec3, DVec4};
 use super::{
     Ground, Job,
     give::Passing,
-    ground::GroundSlope,
     prepared::{PreparedLeg, PreparedPlant},
     slide::{Contact, Slide},
 };
 use crate::{
-    contact::PlantMode,
-    math::{Rigid, heading_rotation},
+    contact::{GroundSlope, PlantMode, ground_share},
+    math::{Rigid, heading_rotation, smootherstep},
 };
 
 /// Longest time over which a foot lets go of a plant's motion or takes it up, seconds.
@@ -31,9 +30,6 @@ const SHORTEST_SWING_SECS: f64 = 0.2;
 
 /// As long as all of them together are no longer than this, seconds.
 const LONGEST_GROUP_SECS: f64 = 2.5;
-
-/// On a ramp a foot does not tilt with a slope up to the first of these, and wholly from the second on: 3° and 6°.
-pub(super) const TILTS_RAD: [f64; 2] = [0.052, 0.105];
 
 /// A foot's plan.
 pub(super) struct FootPlan {
@@ -298,15 +294,8 @@ fn steeper(over_path_rad: f64, over_ground_rad: f64) -> f64 {
 
 /// Returns how far a foot tilts on such ground: not at all for the little by which a path rises and falls with the body.
 fn tilt(over_path_rad: f64, over_ground_rad: f64) -> f64 {
-    let [none, whole] = TILTS_RAD;
     let slope_rad = steeper(over_path_rad, over_ground_rad);
-    slope_rad * smootherstep((slope_rad.abs() - none) / (whole - none))
-}
-
-/// Goes from 0 to 1 over [0, 1] with no velocity and no acceleration at either end.
-pub(super) fn smootherstep(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * x * (10.0 + x * (6.0 * x - 15.0))
+    slope_rad * ground_share(slope_rad)
 }
 
 #[cfg(test)]
@@ -321,13 +310,5 @@ mod tests {
         assert!(alike(0.08) > 0.0 && alike(0.08) < 0.08);
         // A crouch on a level path, and the same path again, crouch and all.
         assert_eq!((tilt(0.2, 0.0), tilt(0.0, -0.2), tilt(0.2, -0.2), tilt(-0.2, -0.3)), (0.0, 0.0, 0.0, -0.2));
-    }
-
-    #[test]
-    fn a_swing_begins_and_ends_at_rest() {
-        const STEP: f64 = 1e-4;
-        assert_eq!((smootherstep(-1.0), smootherstep(0.0), smootherstep(1.0), smootherstep(2.0)), (0.0, 0.0, 1.0, 1.0));
-        assert!(smootherstep(STEP) < 1e-10 && 1.0 - smootherstep(1.0 - STEP) < 1e-10);
-        assert!((smootherstep(0.5) - 0.5).abs() < 1e-15);
     }
 }

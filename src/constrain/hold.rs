@@ -8,12 +8,12 @@ use super::{
     bend::{Bend, freedom},
     cost::Wish,
     feet::{self, FootPlan},
-    ground::GroundSlope,
     level::lifts,
     offset::Problem,
     prepared::PreparedLeg,
 };
 use crate::{
+    contact::GroundSlope,
     math::{Rigid, twist_rad},
     motion::TurnedJoint,
     path::PathFrame,

@@ -6,8 +6,7 @@
 //! is taking it off right. The waver is looked at in two parts, its straight trend and the rest, and of each part the
 //! share that the new path does not repeat is given back.
 
-use super::ground::GroundSlope;
-use crate::{path::PathFrame, sync::both};
+use crate::{contact::GroundSlope, path::PathFrame, sync::both};
 
 /// Returns what is to be added to plain path editing's height at each frame, clip's unit.
 ///

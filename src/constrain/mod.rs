@@ -19,7 +19,6 @@ mod bend;
 mod cost;
 mod feet;
 mod give;
-mod ground;
 mod hold;
 mod level;
 mod offset;

@@ -16,9 +16,8 @@ use glam::DVec3;
 use super::{
     banded::Banded,
     cost::{Cost, Wish},
-    feet::smootherstep,
 };
-use crate::sync::halves;
+use crate::{math::smootherstep, sync::halves};
 
 /// Time between the frames that the problem is set up with, seconds; what is smooth needs no more.
 const SAMPLE_SECS: f64 = 0.034;

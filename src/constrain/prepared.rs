@@ -5,12 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use wide::f64x4;
 
-use super::{
-    ground::GroundSlope,
-    slide::{Contact, Slide},
-};
+use super::slide::{Contact, Slide};
 use crate::{
-    contact::{FootPlants, Plant, PlantMode},
+    contact::{FootPlants, GroundSlope, Plant, PlantMode},
     math::{
         Rigid,
         lanes::{LANES, QuatLanes, RigidLanes, VecLanes},

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::{feet::smootherstep, prepared::FootAt};
-use crate::contact::Plant;
+use super::prepared::FootAt;
+use crate::{contact::Plant, math::smootherstep};
 
 /// Time before and after a clean plant over which the foot comes to rest and sets off, seconds.
 const REST_SECS: f64 = 0.1;

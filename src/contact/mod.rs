@@ -2,11 +2,13 @@
 //!
 //! Plants are found on the source clip ([`Detection`]), before any edit; the user's own plants ([`PlantEdit`]) replace
 //! what they overlap. A key press changes a list of plants by a [`PlantChange`]; [`recorded`] turns the list back into
-//! edits. Frames here are the clip's, rest frames not counted, unless a name says `file`.
+//! edits. Where the feet stand tells how the ground slopes ([`GroundSlope`]). Frames here are the clip's, rest frames not
+//! counted, unless a name says `file`.
 
 mod change;
 mod detect;
 mod edits;
+mod ground;
 
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +17,7 @@ use crate::motion::Leg;
 pub use change::PlantChange;
 pub use detect::{Detection, Thresholds};
 pub use edits::{FileFrames, PlantEdit, PlantEditMode, merged, recorded, with_edits};
+pub use ground::{GroundSlope, ground_share};
 
 /// What is to be done with a plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

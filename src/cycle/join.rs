@@ -10,6 +10,7 @@ use super::{
     spread::{Jump, Shares, Window},
 };
 use crate::{
+    contact::GroundSlope,
     math::{Rigid, heading_rotation},
     motion::{Clip, EditedClip, TurnedJoint},
     path::{PathFrame, ResidualFrame},
@@ -27,6 +28,8 @@ pub struct Join<'a> {
     pub path: &'a [PathFrame],
     /// Arc length of each frame on that path, the clip's unit.
     pub progress: &'a [f64],
+    /// How the ground under the clip slopes.
+    pub ground: GroundSlope,
     /// The range; two frames at least.
     pub range: LoopRange,
     /// Time on each side of a seam over which its mismatch is spread, seconds; at most half of the range is taken.
@@ -138,6 +141,9 @@ impl Join<'_> {
 
     /// Carries path and arc lengths on: copies chained so that each begins in the path frame in which the one before
     /// ends, with the jumps in speed, in turning and in slope spread.
+    ///
+    /// In height each begins where the ground has it. A fitted path rises and falls with the body and wavers; what it does
+    /// so over one cycle would lift every copy higher than the one before. That jump is spread as well.
     fn carried_on(&self, shown: &[Shown]) -> (Vec<PathFrame>, Vec<f64>) {
         let along = Along::new(self.path, self.progress);
         let LoopRange { first, end } = self.range;
@@ -151,10 +157,14 @@ impl Join<'_> {
         let velocity: Jump<DVec3> =
             Jump { value: DVec3::ZERO, rate: level(from, after[1] - after[0]) - level(to, before[1] - before[0]) };
 
+        let climb = self.ground.climb(to.point - from.point);
+        let height = Jump { value: from.point.y + climb - to.point.y, rate: 0.0 };
+
         // Where copy `c` of the first frame's path frame stands: each where the one before has the range's end.
         let mut points = vec![from.point];
         for copy in 0..self.n_cycles {
-            points.push(points[copy] + heading_rotation(copy as f64 * turn) * (to.point - from.point));
+            let way = (to.point - from.point).with_y(climb);
+            points.push(points[copy] + heading_rotation(copy as f64 * turn) * way);
         }
         let mut furthest = 0.0f64;
         let carried = |&Shown { copy, frame, shares }: &Shown| {
@@ -172,6 +182,7 @@ impl Join<'_> {
             if let Some(shares) = shares {
                 let at_seam = if shares.value > 0.0 { to.heading_rad } else { from.heading_rad };
                 on.point += heading_rotation(at_seam + turned) * velocity.share(shares);
+                on.point.y += height.share(shares);
                 on.heading_rad += turning.share(shares);
                 on.slope_rad += slope.share(shares);
                 progress += speed.share(shares);

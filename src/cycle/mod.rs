@@ -2,8 +2,8 @@
 //!
 //! [`LoopFinder`] looks for ranges `[first, end)` whose ends are alike once the path is taken out: same pose, same
 //! velocities, same phase of the feet. [`Join`] makes a longer clip of one: the frames before `end`, then the range again
-//! and again. Copies are chained along the original path, and what is left of the mismatch is spread over a window on
-//! both sides of each seam:
+//! and again. Copies are chained along the original path, but each as high as the ground has it, and what is left of the
+//! mismatch is spread over a window on both sides of each seam:
 //!
 //! ```text
 //! clip      0 ······ first ─────────── end ······ F

@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::{
     Edits,
     footprint::{Footprint, SourcePrint, footprints},
 };
 use crate::{
     constrain::Prepared,
-    contact::{Detection, FileFrames, FootPlants, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds, with_edits},
+    contact::{
+        Detection, FileFrames, FootPlants, GroundSlope, Plant, PlantEdit, PlantEditMode, PlantMode, Thresholds,
+        with_edits,
+    },
     math::Rigid,
     measure::{Body, FootMeasure, FootNumbers, FootTracks},
     motion::{Clip, ClipOptions, Decided, EditedClip, Leg, PointTracks, Side, legs::find_legs},
@@ -66,6 +71,8 @@ pub struct Feet {
     edited: Vec<Vec<bool>>,
     /// Where the feet stand in the source, foot by foot, as many as `plants`.
     pub prints: Vec<Vec<SourcePrint>>,
+    /// How the ground under them slopes.
+    pub slope: GroundSlope,
     /// What could not be read as asked, one line each.
     pub warnings: Vec<String>,
 }
@@ -84,7 +91,10 @@ impl Feet {
         };
         let edited = plants.iter().map(by_user).collect();
         let prints = footprints(body.tracks(), &plants, clip.facts.floor);
-        Self { found, plants, edited, prints, warnings }
+        let mut feet = Self { found, plants, edited, prints, slope: GroundSlope::default(), warnings };
+        let places: Vec<DVec3> = feet.standing_prints().map(|print| print.place).collect();
+        feet.slope = GroundSlope::under(&places, clip.facts.height.value);
+        feet
     }
 
     /// Returns the index of a side's foot, the first of several; none without such a leg.

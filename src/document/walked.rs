@@ -114,7 +114,9 @@ impl Loaded<'_> {
     pub(super) fn walked(&self, repeat: Option<Repeat>, previous: Option<&Solved>) -> Walked {
         let (joined, clip, body, residuals, progress, plants) = match repeat {
             Some(repeat) => {
-                let same = previous.filter(|p| p.walked.repeat == Some(repeat) && self.is_path_of(p));
+                let same = previous.filter(|p| {
+                    p.walked.repeat == Some(repeat) && self.is_path_of(p) && p.feet.slope == self.feet.slope
+                });
                 let (joined, body, progress) = match same {
                     Some(p) => (p.walked.joined.clone(), Arc::clone(&p.walked.body), Arc::clone(&p.walked.progress)),
                     None => self.joined(&repeat),
@@ -154,6 +156,7 @@ impl Loaded<'_> {
             carrier: self.carrier,
             path: self.original.frames(),
             progress: self.progress,
+            ground: self.feet.slope,
             range: repeat.range,
             blend_secs: repeat.blend_secs,
             n_cycles: repeat.n_cycles,

@@ -95,6 +95,12 @@ pub fn unwrap_rad(angles: &mut [f64]) {
     }
 }
 
+/// Goes from 0 to 1 over [0, 1] with no velocity and no acceleration at either end.
+pub fn smootherstep(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * x * (10.0 + x * (6.0 * x - 15.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -134,5 +140,13 @@ mod tests {
             assert!(found.abs_diff_eq(v, 1e-12), "{v} {found}");
             assert!(rotation_vector_between(from, -(from * DQuat::from_scaled_axis(v))).abs_diff_eq(v, 1e-12));
         }
+    }
+
+    #[test]
+    fn a_smoother_step_begins_and_ends_at_rest() {
+        const STEP: f64 = 1e-4;
+        assert_eq!((smootherstep(-1.0), smootherstep(0.0), smootherstep(1.0), smootherstep(2.0)), (0.0, 0.0, 1.0, 1.0));
+        assert!(smootherstep(STEP) < 1e-10 && 1.0 - smootherstep(1.0 - STEP) < 1e-10);
+        assert!((smootherstep(0.5) - 0.5).abs() < 1e-15);
     }
 }

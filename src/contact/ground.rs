@@ -4,19 +4,23 @@
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::feet::{TILTS_RAD, smootherstep};
+use crate::math::smootherstep;
+
+/// A slope up to the first of these is the capture's or the body's and none of the ground; from the second on it is all
+/// the ground's: 3° and 6°.
+const SLOPES_RAD: [f64; 2] = [0.052, 0.105];
 
 /// Footprints spread less than this, in body heights, say little of a slope.
 const SPREAD: f64 = 0.1;
 
 /// Slopes of the ground along x and z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct GroundSlope(DVec2);
+pub struct GroundSlope(DVec2);
 
 impl GroundSlope {
     /// Fits a plane to footprints, least squares, held level where they do not spread; `height` is the body's. A slope so
     /// little that it is the capture's rather than the ground's is none.
-    pub(super) fn under(feet: &[DVec3], height: f64) -> Self {
+    pub fn under(feet: &[DVec3], height: f64) -> Self {
         let n = feet.len().max(1) as f64;
         let mean = feet.iter().sum::<DVec3>() / n;
         let mut spread = DMat2::from_diagonal(DVec2::splat(n * (SPREAD * height).powi(2)));
@@ -27,20 +31,25 @@ impl GroundSlope {
             rise += flat * d.y;
         }
         let slope = spread.inverse() * rise;
-        let [none, whole] = TILTS_RAD;
-        Self(slope * smootherstep((slope.length().atan() - none) / (whole - none)))
+        Self(slope * ground_share(slope.length().atan()))
     }
 
     /// Returns how far the ground rises over a way, clip's unit.
-    pub(super) fn climb(self, by: DVec3) -> f64 {
+    pub fn climb(self, by: DVec3) -> f64 {
         self.0.dot(DVec2::new(by.x, by.z))
     }
 
     /// Returns the slope in a heading, radians.
-    pub(super) fn in_heading_rad(self, heading_rad: f64) -> f64 {
+    pub fn in_heading_rad(self, heading_rad: f64) -> f64 {
         // Most ground is level, and every frame asks.
         if self == Self::default() { 0.0 } else { self.0.dot(DVec2::from(heading_rad.sin_cos())).atan() }
     }
+}
+
+/// Returns the share of a slope that counts as the ground's.
+pub fn ground_share(slope_rad: f64) -> f64 {
+    let [none, whole] = SLOPES_RAD;
+    smootherstep((slope_rad.abs() - none) / (whole - none))
 }
 
 #[cfg(test)]
