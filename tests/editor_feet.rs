@@ -195,6 +195,33 @@ fn legs_are_typed_whole_and_wrong_ones_are_told() {
     assert_eq!(e.prompt().expect("typing").text, legs, "the list is offered, not its length");
 }
 
+#[test]
+fn a_plant_that_is_split_stays_the_one_keys_act_on_when_another_loop_is_the_best_then() {
+    let Ok(clips) = std::env::var("WALKABOUT_CLIPS") else {
+        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS must be set in CI");
+        println!("SKIPPED: a split in a captured cycle, because WALKABOUT_CLIPS is not set");
+        return;
+    };
+    let file = std::path::PathBuf::from(clips).join("real/cmu_12_03_walk.bvh");
+    let mut document = Document::new(document::open(Some(&file)).expect("the clip"));
+    let values = vec![("timing.cycling".to_owned(), "blended".into())];
+    let circle = Change::Set { values, shape: Some("circle:3".parse().expect("a shape")) };
+    document.apply(&circle, false).expect("a cycled circle");
+    let mut e = Editor::new(document, Vec::new());
+    e.keys("<end>");
+    let frame = |e: &Editor| e.document().solved().source_frame(e.view().frame_idx);
+    let plant = |e: &Editor| {
+        let (foot_idx, plant_idx) = e.chosen_plant().expect("a plant");
+        e.document().solved().feet.plants[foot_idx].plants[plant_idx]
+    };
+    let (repeat, at, whole) = (e.document().solved().walked.repeat, frame(&e), plant(&e));
+    e.keys("mx");
+    assert_ne!(e.document().solved().walked.repeat, repeat, "the split makes another loop the best");
+    let half = plant(&e);
+    assert_eq!(frame(&e), at);
+    assert!(half.n_frames() < whole.n_frames() && whole.contains(half.first) && whole.contains(half.last), "{half:?}");
+}
+
 /// Opens a clip of a spine that glides along.
 fn without_legs() -> Editor {
     let channels = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation";
@@ -212,10 +239,13 @@ fn keys_of_feet_say_why_there_is_nothing_to_do() {
     let said = |e: &Editor| e.view().message.as_ref().expect("a message").text.clone();
     let no_legs = "no legs found: edited without holding; clip.legs names them";
     assert_eq!(said(&without_legs()), no_legs, "told when the clip is opened");
-    for keys in ["l", "h", "5", "8", "m", "F"] {
+    for keys in ["l", "h", "5", "8", "m", "md", "mc", "F"] {
         let mut e = without_legs();
         e.keys(keys);
         assert_eq!(said(&e), format!("{keys} does nothing here; {no_legs}"));
+        assert_eq!((e.document().depth(), e.prompt().is_some()), ((0, 0), false), "d and c are not keys of their own");
+        e.keys("d");
+        assert_eq!(e.document().depth().0, usize::from(keys != "m"));
     }
     let none = |foot: &str| format!("{{foot='{foot}', first=0, last=9999, mode='none'}}");
     let plants = document::parse_assignment(&format!("plant=[{}, {}]", none("left"), none("right")));

@@ -249,10 +249,15 @@ fn change(editor: &mut Editor, command: &'static str, change: PlantChange) {
     }
 }
 
-/// Makes a change at the frame that is shown, and says what became of it.
+/// Makes a change at the frame that is shown, and says what became of it. Other plants may make another loop the best one:
+/// then the playhead goes where that has the same frame of the clip, so that keys still act on the same plant.
 fn make(editor: &mut Editor, command: &'static str, change: &Change) {
     editor.view.playing = false;
+    let at = editor.source_frame();
     editor.change(command, change);
+    if editor.source_frame() != at {
+        show(editor, at);
+    }
     show_plant_row(editor);
     if editor.view.message.is_none() {
         tell(editor);

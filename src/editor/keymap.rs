@@ -37,6 +37,9 @@ pub(super) fn press(editor: &mut Editor, key: Key) -> Effect {
             unfinished |= keys.starts_with(&pending);
         }
     }
+    // The rest of a sequence that does nothing here must not be taken for keys of its own.
+    let begins = |command| sequences(command).any(|keys| keys.starts_with(&pending) && keys != pending);
+    let swallows = !unfinished && COMMANDS.iter().any(begins);
     if unfinished {
         editor.pending = pending;
     } else if key.code != Code::Esc {
@@ -45,6 +48,9 @@ pub(super) fn press(editor: &mut Editor, key: Key) -> Effect {
         let why = of_feet.into_iter().any(|keys| keys.starts_with(&pending)).then(|| feet::why_idle(editor));
         let why = why.unwrap_or_else(|| "? shows the keys".to_owned());
         editor.say(Message::note(format!("{text} does nothing here; {why}")));
+        if swallows {
+            editor.pending = pending;
+        }
     }
     Effect::None
 }
