@@ -381,6 +381,47 @@ fn the_carrier_moves_in_the_world_and_with_its_path() {
 }
 
 #[test]
+fn a_carrier_gets_where_it_is_wanted_while_its_feet_are_held() {
+    for frame in [0, 140, 300] {
+        for by in [DVec3::X, DVec3::Z, DVec3::new(0.6, -0.6, 0.9), -DVec3::Y] {
+            let mut document = opened(&[], Some("circle"));
+            let before = Arc::clone(document.solved());
+            let height = before.clip.facts.height.value;
+            let by = by * 0.02 * height;
+            let change = PoseChange::MoveCarrier { by };
+            apply(&mut document, Change::Pose { layer_idx: 0, frame_idx: frame, change });
+            let moved = document.solved().carrier(frame).translation - before.carrier(frame).translation;
+            let off = moved.distance(by) / height;
+            println!("frame {frame}, {by}: {off:e} body heights off");
+            assert!(off < 1e-4, "frame {frame}, {by}: {off} body heights off");
+        }
+    }
+}
+
+#[test]
+fn a_captured_foot_comes_nearer_with_the_whole_chain_and_never_goes_away() {
+    let Some(clips) = std::env::var_os("WALKABOUT_CLIPS") else {
+        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS is not set");
+        eprintln!("SKIPPED: WALKABOUT_CLIPS is not set, no captured foot was moved");
+        return;
+    };
+    let file = std::path::PathBuf::from(clips).join("real/cmu_08_01_brisk_walk.bvh");
+    let mut document = Document::new(open(Some(&file)).expect("a clip"));
+    set(&mut document, &[], Some("eight"));
+    let mut foot = Puppet::of(document, 120, "LeftFoot");
+    // The last two lie where holding lets the foot go no farther with the hips as the first two turned them.
+    let ways = [[-0.041, -0.016, 0.011], [0.042, -0.016, 0.042], [0.005, -0.019, -0.018], [0.0, -0.1, 0.0]];
+    for (n, way) in ways.into_iter().enumerate() {
+        let was = foot.ends()[1];
+        let to = was + DVec3::from_array(way) * foot.height();
+        foot.reach(to);
+        let (before, off) = [was, foot.ends()[1]].map(|at| at.distance(to) / foot.height()).into();
+        println!("{way:?}: {off:e} body heights off, {before:e} before");
+        assert!(off <= before + 1e-4 && (n > 1 || off < 1e-4), "{way:?}: {off} body heights off, {before} before");
+    }
+}
+
+#[test]
 fn feet_stand_where_a_carrier_that_layers_move_takes_them() {
     let mut document = opened(&[], Some("circle"));
     let solved = Arc::clone(document.solved());

@@ -41,6 +41,7 @@ pub(super) struct Piece<'a> {
 }
 
 /// World motions of all joints at the frame that a piece is made for.
+#[derive(Clone)]
 pub(super) struct Seen {
     /// On the original path, the feet not held: of the joints that legs hang on.
     pub(super) before_holding: Vec<Rigid>,

@@ -35,7 +35,7 @@ const THERE_ON_PIECE: f64 = 1e-5;
 /// How often the whole clip follows an edit, at most.
 const DRAFTS: usize = 5;
 /// Corrections of a foot that is held, on a piece, at most.
-const CORRECTIONS: usize = 8;
+const CORRECTIONS: usize = 12;
 /// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
 const BODY_CORRECTIONS: usize = 8;
 
@@ -106,7 +106,13 @@ pub(super) fn change(
             let turn = ik::turn_about(world, *axis, *angle_rad);
             key_turns(solved, edits, layer_idx, frame_idx, &[JointTurn { joint: *joint, turn }])?;
         }
-        PoseChange::MoveCarrier { by } => move_carrier(solved, edits, layer_idx, frame_idx, *by)?,
+        PoseChange::MoveCarrier { by } => {
+            let to = carrier_at(solved, &pose(solved, frame_idx)) + *by;
+            move_carrier(solved, edits, layer_idx, frame_idx, *by)?;
+            if solved.holding.is_some() {
+                return carry_on(solved, edits, layer_idx, frame_idx, to).map(Some);
+            }
+        }
     }
     Ok(None)
 }
@@ -218,6 +224,7 @@ impl Wish<'_> {
     /// corrected.
     fn body_on_piece(&self, piece: &Piece, mut seen: Seen, edits: &mut Edits, to: DVec3) -> Result<Seen, LayerRefusal> {
         let near = THERE_ON_PIECE * self.height();
+        let (mut least, mut best) = (f64::INFINITY, None);
         for _ in 0..BODY_CORRECTIONS {
             let turns = self.turns(&self.chain, &seen.held, to);
             if self.at(&seen.held).distance(self.after(&seen.held, &turns)) < near {
@@ -225,6 +232,16 @@ impl Wish<'_> {
             }
             self.key(edits, &turns)?;
             seen = piece.with(edits);
+            let off = self.at(&seen.held).distance(to);
+            if off < least {
+                (least, best) = (off, Some((edits.clone(), seen.clone())));
+            }
+        }
+        // Out of reach, a try may be further off than one before it.
+        if let Some((nearest, of_nearest)) = best
+            && least < self.at(&seen.held).distance(to)
+        {
+            (*edits, seen) = (nearest, of_nearest);
         }
         Ok(seen)
     }
@@ -269,7 +286,7 @@ impl Wish<'_> {
 
     /// Moves the point of a leg that is held on a piece, which is as seen; returns the edits and what is seen then.
     ///
-    /// What is missing after a try is tried again from there.
+    /// What is missing after a try is tried again from there; a try that comes no nearer is made again, half as far.
     fn foot_on_piece(&self, piece: &Piece, seen: Seen, edits: Edits, to: DVec3) -> Result<(Edits, Seen), LayerRefusal> {
         let skeleton = &self.solved.clip.skeleton;
         // Holding moves a foot as one rigid body.
@@ -278,26 +295,75 @@ impl Wish<'_> {
             Some(site) => skeleton.end_sites()[site].idx(),
         };
         let near = THERE_ON_PIECE * self.height();
-        let mut best = (edits, seen);
-        let mut least = f64::INFINITY;
+        let mut least = self.at(&seen.held).distance(to);
+        let (mut best, mut share) = ((edits, seen), 1.0);
         for _ in 0..CORRECTIONS {
             let (edits, seen) = &best;
             let back = seen.before_holding[end] * seen.held[end].inverse();
-            let turns = self.turns(&self.chain, &seen.before_holding, back.point(to));
+            let aim = self.at(&seen.held).lerp(to, share);
+            let turns = self.turns(&self.chain, &seen.before_holding, back.point(aim));
             let mut tried = edits.clone();
             self.key(&mut tried, &turns)?;
             let made = piece.with(&tried);
             let off = self.at(&made.held).distance(to);
             if off >= least {
-                break;
+                share *= 0.5;
+                continue;
             }
-            (least, best) = (off, (tried, made));
+            (least, best, share) = (off, (tried, made), (2.0f64 * share).min(1.0));
             if off < near {
                 break;
             }
         }
         Ok(best)
     }
+}
+
+/// Returns where the carrier is in a pose.
+fn carrier_at(solved: &Solved, world: &[Rigid]) -> DVec3 {
+    world[solved.clip.facts.carrier.value.idx()].translation
+}
+
+/// Moves a carrier on that holding the feet keeps from where it is to go; returns what follows.
+///
+/// Edits have it moved all the way; what holding takes off that is found on a piece and added.
+fn carry_on(
+    solved: &Solved,
+    edits: &mut Edits,
+    layer_idx: usize,
+    frame_idx: usize,
+    to: DVec3,
+) -> Result<Solved, LayerRefusal> {
+    let height = solved.clip.facts.height.value;
+    let piece = Piece::around(solved, frame_idx);
+    let was_on_piece = carrier_at(solved, &piece.with(&solved.edits).held);
+    let mut off = was_on_piece - carrier_at(solved, &pose(solved, frame_idx));
+    let mut made = None::<Solved>;
+    for _ in 0..DRAFTS {
+        let (mut least, mut best) = (f64::INFINITY, edits.clone());
+        for _ in 0..CORRECTIONS {
+            let missing = to + off - carrier_at(solved, &piece.with(edits).held);
+            if missing.length() >= least {
+                break;
+            }
+            (least, best) = (missing.length(), edits.clone());
+            if least < THERE_ON_PIECE * height {
+                break;
+            }
+            move_carrier(solved, edits, layer_idx, frame_idx, missing)?;
+        }
+        *edits = best;
+        let drafted = draft(&Arc::new(edits.clone()), made.as_ref().unwrap_or(solved));
+        let at = carrier_at(solved, &pose(&drafted, frame_idx));
+        off = carrier_at(solved, &piece.with(edits).held) - at;
+        let is_there = at.distance(to) < THERE * height;
+        made = Some(drafted);
+        // What the piece cannot reach the whole clip cannot either.
+        if is_there || least > THERE * height {
+            break;
+        }
+    }
+    Ok(made.expect("a draft is made at least once"))
 }
 
 /// Keys turns of joints on the right of their local rotations.
