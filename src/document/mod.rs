@@ -230,9 +230,16 @@ impl Document {
         }
     }
 
-    /// Takes a draft of the edits in use.
+    /// Takes a draft of the edits in use. Until it is measured it has the numbers measured last, also when it was made of an
+    /// earlier solve, as every step of a drag is.
     fn take(&mut self, draft: Solved) {
-        self.solved = Arc::new(draft);
+        let last = &self.solved;
+        self.solved = Arc::new(match Arc::ptr_eq(&draft.feet, &last.feet) {
+            true => {
+                Solved { measures: Arc::clone(&last.measures), foot_numbers: Arc::clone(&last.foot_numbers), ..draft }
+            }
+            false => draft,
+        });
         if !self.drafts {
             self.measure();
         }
@@ -351,6 +358,26 @@ mod tests {
             document.apply(&clean, false).expect("a setting");
         }
         assert!(drafting.solved().is_measured() && same(&plain, &drafting));
+    }
+
+    #[test]
+    fn a_step_of_a_drag_has_the_numbers_measured_last() {
+        let mut document = walking();
+        document.show_drafts();
+        let grabbed = Arc::clone(document.solved());
+        let [first, second] = [-0.1, -0.2].map(|y| Change::Pose {
+            layer_idx: 0,
+            frame_idx: 90,
+            change: PoseChange::MoveCarrier { by: glam::DVec3::Y * y * grabbed.clip.facts.height.value },
+        });
+        document.apply_to(&grabbed, &first, false).expect("a step");
+        assert!(document.measure());
+        let measured = Arc::clone(document.solved());
+        assert_ne!(format!("{:?}", measured.measures), format!("{:?}", grabbed.measures));
+        document.apply_to(&grabbed, &second, true).expect("another step");
+        let now = document.solved();
+        assert!(!now.is_measured() && Arc::ptr_eq(&now.measures, &measured.measures));
+        assert!(Arc::ptr_eq(&now.foot_numbers, &measured.foot_numbers));
     }
 
     #[test]
