@@ -340,13 +340,14 @@ fn carry_on(
     let mut off = was_on_piece - carrier_at(solved, &pose(solved, frame_idx));
     let mut made = None::<Solved>;
     for _ in 0..DRAFTS {
-        let (mut least, mut best) = (f64::INFINITY, edits.clone());
+        let (mut least, mut best, mut on_piece) = (f64::INFINITY, edits.clone(), to + off);
         for _ in 0..CORRECTIONS {
-            let missing = to + off - carrier_at(solved, &piece.with(edits).held);
+            let at = carrier_at(solved, &piece.with(edits).held);
+            let missing = to + off - at;
             if missing.length() >= least {
                 break;
             }
-            (least, best) = (missing.length(), edits.clone());
+            (least, best, on_piece) = (missing.length(), edits.clone(), at);
             if least < THERE_ON_PIECE * height {
                 break;
             }
@@ -355,7 +356,7 @@ fn carry_on(
         *edits = best;
         let drafted = draft(&Arc::new(edits.clone()), made.as_ref().unwrap_or(solved));
         let at = carrier_at(solved, &pose(&drafted, frame_idx));
-        off = carrier_at(solved, &piece.with(edits).held) - at;
+        off = on_piece - at;
         let is_there = at.distance(to) < THERE * height;
         made = Some(drafted);
         // What the piece cannot reach the whole clip cannot either.
