@@ -281,15 +281,20 @@ fn hands_and_feet_go_where_they_are_wanted_in_every_cycle() {
     }
 }
 
+/// Returns where a captured clip is; says so and returns none where no captured clips are.
+fn captured(name: &str) -> Option<std::path::PathBuf> {
+    let Some(clips) = std::env::var_os("WALKABOUT_CLIPS") else {
+        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS is not set");
+        eprintln!("SKIPPED: WALKABOUT_CLIPS is not set, nothing of {name} was moved");
+        return None;
+    };
+    Some(std::path::PathBuf::from(clips).join(format!("real/{name}.bvh")))
+}
+
 /// On this clip the third target was once 20 cm off: joints were moved in a pose without the keys of the first two.
 #[test]
 fn a_captured_hand_goes_from_target_to_target_and_to_the_nearest_point() {
-    let Some(clips) = std::env::var_os("WALKABOUT_CLIPS") else {
-        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS is not set");
-        eprintln!("SKIPPED: WALKABOUT_CLIPS is not set, no captured hand was moved");
-        return;
-    };
-    let file = std::path::PathBuf::from(clips).join("real/walk01.bvh");
+    let Some(file) = captured("walk01") else { return };
     let hand = |frame| Puppet::of(Document::new(open(Some(&file)).expect("a clip")), frame, "LeftHand");
     let mut near = hand(30);
     for to in [[40.0, 130.0, 140.0], [0.0, 160.0, 150.0], [-30.0, 120.0, 130.0], [60.0, 100.0, 100.0]] {
@@ -400,12 +405,7 @@ fn a_carrier_gets_where_it_is_wanted_while_its_feet_are_held() {
 
 #[test]
 fn a_captured_foot_comes_nearer_with_the_whole_chain_and_never_goes_away() {
-    let Some(clips) = std::env::var_os("WALKABOUT_CLIPS") else {
-        assert!(std::env::var_os("CI").is_none(), "WALKABOUT_CLIPS is not set");
-        eprintln!("SKIPPED: WALKABOUT_CLIPS is not set, no captured foot was moved");
-        return;
-    };
-    let file = std::path::PathBuf::from(clips).join("real/cmu_08_01_brisk_walk.bvh");
+    let Some(file) = captured("cmu_08_01_brisk_walk") else { return };
     let mut document = Document::new(open(Some(&file)).expect("a clip"));
     set(&mut document, &[], Some("eight"));
     let mut foot = Puppet::of(document, 120, "LeftFoot");
