@@ -32,8 +32,9 @@ fn clips() -> Option<String> {
 
 /// Checks what every held edit keeps to, its feet as they are or clean.
 ///
-/// `offset` bounds the carrier's offset in body heights. The bar is 0.06 on walks. Where it is more, a polynomial of a low
-/// degree sways where its clip stands still, and plain path editing with it, further than plants may give way.
+/// `offset` bounds the carrier's offset in body heights. The bar is 0.06 on captured walks. On the built-in one it is more:
+/// a polynomial of a low degree swings out where the clip ends standing, and plain path editing with it, further than
+/// plants may give way.
 #[track_caller]
 fn check(what: &str, subject: &Subject, plain: &Plain, offset: f64) {
     for mode in [PlantMode::Hold, PlantMode::Clean] {
@@ -41,11 +42,11 @@ fn check(what: &str, subject: &Subject, plain: &Plain, offset: f64) {
         let n = measure(subject, &held);
         let gave_way = gave_way(subject, plain, &held);
         let told = format!("{} {what} {mode:?}: {n:?}", subject.name);
-        let (speed, slip, jerk) = if mode == PlantMode::Clean { (0.1, 0.1, 1.37) } else { (1.02, 1.05, 1.3) };
+        let (speed, slip, jerk) = if mode == PlantMode::Clean { (0.1, 0.1, 1.4) } else { (1.02, 1.05, 1.33) };
         assert_eq!(n.n_missed, 0, "{told}");
         assert!(n.planted_speed <= speed && n.slip <= slip && n.foot_turn < 1e-9, "{told}");
         assert!(n.clearance >= 0.9 && n.bones <= 1e-6, "{told}");
-        assert!(n.jerk <= jerk && n.acceleration <= 2.0 && n.end_jump <= 1.35, "{told}");
+        assert!(n.jerk <= jerk && n.acceleration <= 2.0 && n.end_jump <= 1.4, "{told}");
         assert!(n.knee_back_deg > -0.1 && n.knee_step <= 2.0, "{told}");
         assert!(gave_way <= offset, "{gave_way} {told}");
     }
@@ -64,7 +65,7 @@ fn gave_way(subject: &Subject, plain: &Plain, held: &Held) -> f64 {
 fn the_built_in_walk_keeps_its_feet() {
     let subject = Subject::built_in();
     for kind in SHAPES {
-        for (degree, offset) in [(5, 0.115), (13, 0.04)] {
+        for (degree, offset) in [(5, 0.095), (13, 0.04)] {
             let plain = Plain::bent(&subject, kind, degree, 0.5);
             let before = measure(&subject, &plain.unheld());
             assert!(before.planted_speed > 3.0, "plain path editing slides: {before:?}");
@@ -78,9 +79,9 @@ fn captured_clips_keep_their_feet() {
     const CLIPS: [(&str, f64); 6] = [
         ("walk01", 0.035),
         ("cmu_12_03_walk", 0.045),
-        ("figure8_walk", 0.062),
+        ("figure8_walk", 0.06),
         ("zombie_turns_z_up", 0.06),
-        ("cmu_131_01_start_walk_stop", 0.09),
+        ("cmu_131_01_start_walk_stop", 0.06),
         ("cmu_01_01_jumps", 0.06),
     ];
     let Some(dir) = clips() else { return };

@@ -37,7 +37,7 @@ const SWING_LIMIT: f64 = 0.975;
 const DRAW_SECS: f64 = 0.04;
 
 /// Time after a plant and before one over which a foot becomes free to be drawn in, seconds.
-const FREE_SECS: f64 = 0.2;
+const FREE_SECS: f64 = 0.16;
 
 /// Everything the turns of one leg follow from, frame by frame.
 pub(super) struct Bend<'a> {

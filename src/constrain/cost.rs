@@ -11,7 +11,7 @@ use glam::DVec3;
 const NEARNESS: f64 = 0.2;
 
 /// Price of an offset's excess over [`MOST_OFFSET`].
-const FAR_PRICE: f64 = 100.0;
+const FAR_PRICE: f64 = 200.0;
 
 /// An offset up to this share of the body height costs little.
 const MOST_OFFSET: f64 = 0.045;

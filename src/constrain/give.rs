@@ -17,7 +17,7 @@ use crate::{contact::Plant, math::Rigid};
 const LEFT_TO_OFFSET: f64 = 0.05;
 
 /// Furthest that a plant is moved, share of the leg's length.
-const FURTHEST: f64 = 0.15;
+const FURTHEST: f64 = 0.3;
 
 /// Time from one frame that is looked at to the next, seconds.
 const SAMPLE_SECS: f64 = 0.017;
