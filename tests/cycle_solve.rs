@@ -73,8 +73,7 @@ fn check(name: &str, solved: &Solved) {
                 "  {:?}: {} plants, planted speed {:.4} → {:.4} H/s, slip {:.4} → {:.4} H",
                 foot.leg.side, numbers.plants, speed.source, speed.edited, slip.source, slip.edited
             );
-            // Beside a plant across a seam stand two of the source, so the percentiles are not of the same plants.
-            assert!(speed.edited <= 1.02 * speed.source && slip.edited <= 1.1 * slip.source, "{name}: {numbers:?}");
+            assert!(speed.edited <= 1.02 * speed.source && slip.edited <= 1.05 * slip.source, "{name}: {numbers:?}");
         }
     }
     assert!(solved.holding.as_ref().is_none_or(|holding| holding.missed.is_empty()), "{name}: {:?}", solved.holding);
@@ -122,6 +121,12 @@ fn captured_walks_go_on_to_the_end_of_a_long_path() {
             check(&format!("{name} {} {size}", kind.name()), &cycled(&source, kind, size));
         }
     }
+    // Its ends are far apart, so that its last cycle ends otherwise than the clip although none follows.
+    let Some(source) = captured("figure8_walk") else { return };
+    let whole = after(&source, Some(&cycled(&source, ShapeKind::Circle, 3.0)), |edits| {
+        (edits.loops.start, edits.loops.end) = (Some(0), Some(source.bvh.n_frames()));
+    });
+    check("figure8_walk as a whole", &whole);
 }
 
 #[test]

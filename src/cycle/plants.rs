@@ -44,10 +44,11 @@ impl Joined {
         joined
     }
 
-    /// Tells whether a seam's mismatch is spread over some of a plant's frames.
+    /// Tells whether a seam's mismatch is spread over some of a plant's frames; the end is one, as if a cycle followed.
     fn is_spread_over(&self, plant: &Plant) -> bool {
         let after = self.seams.partition_point(|&seam| seam + self.n_spread <= plant.first);
-        self.n_spread > 0 && self.seams.get(after).is_some_and(|&seam| plant.last + self.n_spread > seam)
+        let seam = self.seams.get(after).copied().unwrap_or(self.source_frames.len());
+        self.n_spread > 0 && plant.last + self.n_spread > seam
     }
 }
 
@@ -108,9 +109,10 @@ mod tests {
     fn plants_that_a_mismatch_is_spread_over_are_cleaned() {
         let p = Plant::new;
         let clean = |first, last| Plant { mode: PlantMode::Clean, ..p(first, last) };
-        check(8, &[p(5, 15), p(30, 44)], &[p(5, 15), clean(30, 44), clean(60, 74), p(90, 104)]);
+        check(8, &[p(5, 15), p(30, 44)], &[p(5, 15), clean(30, 44), clean(60, 74), clean(90, 104)]);
         check(8, &[p(27, 40)], &[p(27, 40), clean(57, 70), clean(87, 100)]);
         check(8, &[p(28, 42)], &[p(28, 42), p(58, 72), p(88, 102)]);
+        check(8, &[p(25, 42)], &[p(25, 42), clean(55, 72), clean(85, 102)]);
         let slide = Plant { mode: PlantMode::Slide, ..p(45, 49) };
         check(8, &[slide], &[slide, Plant { first: 75, last: 79, ..slide }, Plant { first: 105, last: 109, ..slide }]);
     }
