@@ -139,13 +139,14 @@ pub(super) fn measured_points(plants: &[FootPlants]) -> Vec<usize> {
 
 /// Measures each foot, source beside edited, in the order of the plants.
 ///
-/// `moved` is where the edit has [`measured_points`]; each frame shows the clip's frame of that index in `source_frames`.
+/// `moved` is where the edit has [`measured_points`]; each frame shows the clip's frame of that index in `source_frames`,
+/// and `is_joined` tells whether those are joined to one another where they do not follow on.
 pub(super) fn numbers(
-    clip: &Clip,
-    body: &Body,
+    (clip, body): (&Clip, &Body),
     plants: &[FootPlants],
     moved: &PointTracks,
     source_frames: &[u32],
+    is_joined: bool,
 ) -> Vec<FootNumbers> {
     let source = body.tracks();
     let measure = |(idx, foot): (usize, &FootPlants)| {
@@ -154,6 +155,7 @@ pub(super) fn numbers(
             edited: FootTracks { ankle: moved.track(2 * idx), toe: moved.track(2 * idx + 1) },
             source_frames,
             plants: &foot.plants,
+            is_joined,
             frame_time_secs: clip.frame_time_secs,
             height: clip.facts.height.value,
         }

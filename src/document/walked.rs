@@ -72,11 +72,12 @@ impl Walked {
         walk: &EditedClip,
         edited: &EditedClip,
     ) -> Vec<FootNumbers> {
-        let numbers = feet::numbers(&self.clip, &self.body, &self.plants, moved, &walk.source_frames);
+        let numbers = feet::numbers((&self.clip, &self.body), &self.plants, moved, &walk.source_frames, false);
         if self.joined.is_none() {
             return numbers;
         }
-        let source = feet::numbers(loaded.clip, loaded.body, &loaded.feet.plants, moved, &edited.source_frames);
+        let (source, frames) = ((&**loaded.clip, &**loaded.body), &edited.source_frames);
+        let source = feet::numbers(source, &loaded.feet.plants, moved, frames, true);
         numbers.into_iter().zip(&source).map(|(numbers, source)| numbers.beside(source)).collect()
     }
 

@@ -200,6 +200,7 @@ pub(crate) fn measure(subject: &Subject, held: &Held) -> Numbers {
             edited: of(&now),
             source_frames: &edited.source_frames,
             plants: &foot.plants,
+            is_joined: false,
             frame_time_secs: clip.frame_time_secs,
             height,
         }

@@ -51,6 +51,9 @@ pub struct FootMeasure<'a> {
     pub source_frames: &'a [u32],
     /// The foot's plants, source frames, in order of time.
     pub plants: &'a [Plant],
+    /// Whether the source is joined to itself: a plant that is shown in part is then a part of a longer one, and counts
+    /// whole in the source's slip.
+    pub is_joined: bool,
     /// Seconds from frame to frame; positive.
     pub frame_time_secs: f64,
     /// Body height, clip's unit; positive.
@@ -86,6 +89,9 @@ impl FootMeasure<'_> {
                 lengths[clip] += steps.length;
                 slips[clip].push(steps.slip);
             }
+            if self.is_joined {
+                *slips[0].last_mut().expect("pushed above") = Steps::new(&self.source, stand.plant.clone()).slip;
+            }
         }
         let secs = n_steps as f64 * self.frame_time_secs;
         let pair = |values: [f64; 2]| Pair { source: values[0] / self.height, edited: values[1] / self.height };
@@ -107,7 +113,11 @@ impl FootMeasure<'_> {
             for plant in self.plants[from..].iter().take_while(|plant| plant.first < shown.end) {
                 let edited = |frame: usize| first + frame - shown.start;
                 let frames = plant.first.max(shown.start)..(plant.last + 1).min(shown.end);
-                stands.push(Stand { edited: edited(frames.start)..edited(frames.end), mode: plant.mode });
+                stands.push(Stand {
+                    edited: edited(frames.start)..edited(frames.end),
+                    plant: plant.first..plant.last + 1,
+                    mode: plant.mode,
+                });
             }
             first += run.len();
         }
@@ -153,6 +163,8 @@ impl FootMeasure<'_> {
 struct Stand {
     /// Edited frames, at least one.
     edited: Range<usize>,
+    /// Source frames of the whole plant.
+    plant: Range<usize>,
     mode: PlantMode,
 }
 
@@ -226,6 +238,7 @@ mod tests {
             edited: foot(edited),
             source_frames: frames,
             plants,
+            is_joined: false,
             frame_time_secs: DT,
             height: HEIGHT,
         };
@@ -296,6 +309,24 @@ mod tests {
         check(numbers.planted_speed, 0.02 / DT / HEIGHT, 0.02 / DT / HEIGHT);
         check(numbers.slip_p90, 5.0 * 0.02 / HEIGHT, 5.0 * 0.02 / HEIGHT);
         check(numbers.clearance, 0.3 / HEIGHT, 0.3 / HEIGHT);
+    }
+
+    #[test]
+    fn a_plant_that_a_joined_clip_shows_in_part_counts_whole() {
+        let source = sliding(0.02, 0.3, 0.0);
+        let twice: Vec<u32> = (15..50).chain(15..50).collect();
+        let moved = PointTracks::from_fn(2, 70, |point, frame| source.position(point, twice[frame] as usize));
+        let measure = FootMeasure {
+            source: foot(&source),
+            edited: foot(&moved),
+            source_frames: &twice,
+            plants: &PLANTS,
+            is_joined: true,
+            frame_time_secs: DT,
+            height: HEIGHT,
+        };
+        // Parts of 5 and 9 steps, of plants of 10 and 20.
+        check(measure.numbers().slip_p90, 20.0 * 0.02 / HEIGHT, 9.0 * 0.02 / HEIGHT);
     }
 
     #[test]
