@@ -1,8 +1,8 @@
 //! The running editor: its event loop, its threads and its preview processes.
 //!
 //! One enum of events and one `match`: whatever can wake the program is in `Event`. This thread alone writes the
-//! document, solves and draws the terminal; the input, signal and preview threads only send. A pose that changes is shown
-//! as a draft, and measured once nothing has come in for a moment.
+//! document, solves and draws the terminal; the input, signal and preview threads only send. What changes is shown at once,
+//! with the numbers of the feet where it moves along the path, and measured wholly once nothing has come in for a moment.
 
 pub mod preview;
 pub mod preview_main;

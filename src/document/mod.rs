@@ -47,7 +47,7 @@ pub use posed::{Base, Cleared, Posed};
 pub use posing::PoseChange;
 pub use project::{FORMAT, Problem, Project, ProjectError};
 use solve::draft;
-pub use solve::solve;
+pub use solve::{solve, solve_live};
 pub use solved::{Solved, Source};
 pub use source::{BUILT_IN, built_in};
 pub use strain::{Cause, Strain};
@@ -59,7 +59,7 @@ pub use walked::{Loops, Repeat, Walked};
 pub struct Document {
     history: History,
     solved: Arc<Solved>,
-    /// Whether layers that change are shown before they are measured.
+    /// Whether what changes is shown before all of it is measured.
     drafts: bool,
     /// The edits as last saved or opened.
     saved: Arc<Edits>,
@@ -86,8 +86,8 @@ impl Document {
         &self.solved
     }
 
-    /// From now on a change of layers alone is there to be shown before it is measured; [`Document::measure`] does that.
-    /// For whoever shows documents to a person and has time between the keys; nobody else sees a number too old.
+    /// From now on a change is there to be shown before all of it is measured: layers alone before anything is, all else
+    /// before what the feet do not tell. [`Document::measure`] does the rest. For whoever shows documents to a person and has time between the keys; nobody else sees a number too old.
     pub fn show_drafts(&mut self) {
         self.drafts = true;
     }
@@ -223,10 +223,15 @@ impl Document {
         if Arc::ptr_eq(&self.solved.edits, edits) {
             return;
         }
-        if self.drafts && edits.differ_in_layers(&self.solved.edits) {
-            self.take(draft(edits, &self.solved));
+        let (last, was) = (&self.solved, &self.solved.edits);
+        // Without feet the score is of the whole body.
+        let may_wait = self.drafts && !last.feet.plants.is_empty() && edits.clip == was.clip;
+        if self.drafts && edits.differ_in_layers(was) {
+            self.take(draft(edits, last));
+        } else if may_wait {
+            self.solved = Arc::new(solve_live(edits, last));
         } else {
-            self.solved = Arc::new(solve(&self.solved.source, edits, Some(&self.solved)));
+            self.solved = Arc::new(solve(&last.source, edits, Some(last)));
         }
     }
 
@@ -348,16 +353,31 @@ mod tests {
         let fresh = solve(&plain.solved().source, plain.edits(), None);
         assert_eq!(told(&fresh), told(drafting.solved()), "nothing is left of the drafts on the way");
 
-        // Whatever else is changed is measured at once, a draft before it or not.
+        // Whatever else is changed has the numbers of its feet at once, a draft before it or not.
         for document in [&mut plain, &mut drafting] {
             assert!(document.undo());
         }
-        assert!(!drafting.solved().is_measured());
+        assert!(!drafting.solved().has_feet_measured());
+        let feet = |document: &Document| format!("{:?}", document.solved().foot_numbers);
+        let moved = Change::PlacePoint { point_idx: 2, to: glam::DVec3::new(120.0, 80.0, 60.0) };
         let clean = Change::Set { values: vec![("plants.clean".to_owned(), true.into())], shape: None };
-        for document in [&mut plain, &mut drafting] {
-            document.apply(&clean, false).expect("a setting");
+        for change in [moved, clean] {
+            let before = (feet(&plain), Arc::clone(&drafting.solved().measures));
+            for document in [&mut plain, &mut drafting] {
+                document.apply(&change, false).expect("a change");
+            }
+            let now = drafting.solved();
+            assert!(now.has_feet_measured() && !now.is_measured(), "{change:?}");
+            assert!(Arc::ptr_eq(&now.measures, &before.1), "the body waits");
+            assert!(feet(&plain) == feet(&drafting) && feet(&plain) != before.0, "{change:?}");
+            assert!(!same(&plain, &drafting), "{change:?}");
         }
-        assert!(drafting.solved().is_measured() && same(&plain, &drafting));
+        assert!(drafting.measure() && same(&plain, &drafting));
+
+        // Another reading of the clip is another body.
+        let values = vec![("clip.up".to_owned(), toml::Value::String("z".to_owned()))];
+        drafting.apply(&Change::Set { values, shape: None }, false).expect("a setting");
+        assert!(drafting.solved().is_measured());
     }
 
     #[test]

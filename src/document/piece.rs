@@ -211,7 +211,7 @@ mod tests {
                     let in_clip = is.1[joint].translation - was.1[joint].translation;
                     moved = moved.max(in_clip.length());
                     let off = on_piece.distance(in_clip) / height;
-                    assert!(off < 2e-3, "{cycling:?} {longer} frame {frame} joint {joint}: off by {off}");
+                    assert!(off < 5e-3, "{cycling:?} {longer} frame {frame} joint {joint}: off by {off}");
                 }
                 assert!(moved > 0.01 * height, "the edit is seen at frame {frame}");
             }

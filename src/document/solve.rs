@@ -27,7 +27,7 @@ use crate::{
     curve::BSpline,
     math::Rigid,
     measure::{Body, Measured},
-    motion::Clip,
+    motion::{Clip, PointTracks},
     path::{Cycling, Integrator, MAX_POINTS, NewPath, OriginalPath, Residuals, Timing, TimingOptions, straight_line},
     sync::{both, pooled},
 };
@@ -42,26 +42,39 @@ const STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.1;
 /// Pure: equal inputs give equal results, whatever `previous` is; it only lends the stages that did not change.
 /// Cannot fail: what cannot be done as wished is done as well as possible and said in `warnings`.
 pub fn solve(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>) -> Solved {
-    pooled(source.bvh.n_frames(), || solve_stages(source, edits, previous, Wanted::All))
+    pooled(source.bvh.n_frames(), || solve_stages(source, edits, previous, Extent::All))
+}
+
+/// Computes what is to be seen of edits while they are still being changed: as [`solve()`], but what is measured of the
+/// whole body stays that of the solve before, see [`Solved::is_measured`]. What is shown live, the numbers of the feet, is
+/// of these edits.
+pub fn solve_live(edits: &Arc<Edits>, previous: &Solved) -> Solved {
+    solve_on(edits, previous, Extent::Feet)
 }
 
 /// Computes the poses that follow from edits of a source that is solved already with other layers: to be shown, or a
 /// step on the way to others. What is measured of poses takes as long again and stays that of the solve before.
 pub(super) fn draft(edits: &Arc<Edits>, previous: &Solved) -> Solved {
-    let source = &previous.source;
-    pooled(source.bvh.n_frames(), || solve_stages(source, edits, Some(previous), Wanted::Poses))
+    solve_on(edits, previous, Extent::Poses)
 }
 
-/// What a solve is for.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Wanted {
-    /// Poses, strains and numbers.
-    All,
+fn solve_on(edits: &Arc<Edits>, previous: &Solved, extent: Extent) -> Solved {
+    let source = &previous.source;
+    pooled(source.bvh.n_frames(), || solve_stages(source, edits, Some(previous), extent))
+}
+
+/// How far a solve goes; each goes as far as those before it, and further. What it leaves out is that of the solve before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Extent {
     /// Poses and strains.
     Poses,
+    /// The numbers of the feet.
+    Feet,
+    /// The numbers of the whole body.
+    All,
 }
 
-fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>, wanted: Wanted) -> Solved {
+fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>, wanted: Extent) -> Solved {
     let before = previous.filter(|p| Arc::ptr_eq(&p.source, source) && p.edits.clip == edits.clip);
     let (clip, carrier_track, body) = match before {
         Some(p) => (Arc::clone(&p.clip), Arc::clone(&p.carrier_track), Arc::clone(&p.body)),
@@ -174,7 +187,6 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         None => walked.as_edit_of(&clip, &walk),
     };
 
-    let is_measured = |p: &&Solved| !p.is_draft;
     let strains = || {
         let asked = || {
             let holding = holding.as_deref();
@@ -186,17 +198,28 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
 
     // What no foot hangs on does not change the feet's numbers.
     let same_steps = same_carriage
-        .filter(is_measured)
+        .filter(|p| p.extent >= Extent::Feet)
         .filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.legs, &posed.legs));
-    let same_edit = same_edit.filter(is_measured);
-    let (measures, foot_numbers, strains) = match (same_edit, same_steps) {
-        _ if wanted == Wanted::Poses => {
+    let same_edit = same_edit.filter(|p| p.extent == Extent::All);
+    let foot_numbers = |moved: &PointTracks| {
+        reuse(same_steps, |p| &p.foot_numbers, || walked.foot_numbers(&loaded, moved, &walk, &edited))
+    };
+    let points = feet::measured_points(&walked.plants);
+    let (measures, foot_numbers, strains, extent) = match (same_edit, same_steps, wanted) {
+        (Some(_), Some(p), _) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains(), Extent::All),
+        (_, _, Extent::Poses) => {
             let p = previous.expect("poses alone are solved for on the way from one solve to the next");
-            (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains())
+            (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains(), wanted)
         }
-        (Some(_), Some(p)) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains()),
-        _ => {
-            let (sweep, moved) = walked.body.look(&walk, &posed.turning, &feet::measured_points(&walked.plants));
+        (_, _, Extent::Feet) => {
+            let p = previous.expect("the body is left out on the way from one solve to the next");
+            let moved = walked.body.moved(&walk, &posed.turning, &points);
+            // A second core hides the feet's numbers.
+            let (strains, numbers) = both(walk.n_frames(), strains, || foot_numbers(&moved));
+            (Arc::clone(&p.measures), numbers, strains, wanted)
+        }
+        (_, _, Extent::All) => {
+            let (sweep, moved) = walked.body.look(&walk, &posed.turning, &points);
             let own =
                 |(f, carrier): (usize, &Rigid)| posed.undisplaced(walk.source_frame(f), *carrier, &timing.frames[f]);
             let undisplaced: Vec<Rigid> = if walks && posed.displaced.moves_carrier() {
@@ -216,13 +239,12 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
                 new_path: &new_path,
                 timing: &timing,
             };
-            // A second core hides the feet's numbers.
             let ((measures, strains), numbers) = both(
                 walk.n_frames(),
                 || (reuse(same_edit, |p| &p.measures, || measured.measures()), strains()),
-                || reuse(same_steps, |p| &p.foot_numbers, || walked.foot_numbers(&loaded, &moved, &walk, &edited)),
+                || foot_numbers(&moved),
             );
-            (measures, numbers, strains)
+            (measures, numbers, strains, wanted)
         }
     };
 
@@ -257,7 +279,7 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         feet,
         foot_numbers,
         warnings,
-        is_draft: wanted == Wanted::Poses,
+        extent,
     }
 }
 

@@ -4,7 +4,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Cause, Edits, Feet, Footprint, Holding, Loops, Posed, Strain, Walked, solve};
+use super::{Cause, Edits, Feet, Footprint, Holding, Loops, Posed, Strain, Walked, solve, solve::Extent};
 use crate::{
     bvh::Bvh,
     constrain::{self, Missed},
@@ -74,15 +74,20 @@ pub struct Solved {
     pub foot_numbers: Arc<Vec<FootNumbers>>,
     /// What could not be done as wished, one line each; also the clip's own warnings.
     pub warnings: Vec<String>,
-    /// Whether only poses are solved for: numbers are those of the solve before, and no later one takes them.
-    pub(super) is_draft: bool,
+    /// How far this was solved: numbers beyond that are those of the solve before, and no later one takes them.
+    pub(super) extent: Extent,
 }
 
 impl Solved {
     /// Tells whether `measures` and `foot_numbers` are of these edits. Only a [`super::Document`] that shows drafts has
     /// results of which they are not.
     pub fn is_measured(&self) -> bool {
-        !self.is_draft
+        self.extent == Extent::All
+    }
+
+    /// Tells whether `foot_numbers` are of these edits.
+    pub fn has_feet_measured(&self) -> bool {
+        self.extent >= Extent::Feet
     }
 
     /// Returns the number in use of a parameter that may be `auto`; none for any other.

@@ -172,7 +172,7 @@ impl Editor {
         self.view.advance(secs, &self.document)
     }
 
-    /// From now on poses and layers that change are shown before they are measured; see [`Document::show_drafts`].
+    /// From now on what changes is shown before all of it is measured; see [`Document::show_drafts`].
     pub fn show_drafts(&mut self) {
         self.document.show_drafts();
     }

@@ -340,7 +340,8 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
     let solved = editor.document.solved();
     let measures = &solved.measures;
     // Numbers that are being measured anew.
-    let old = if solved.is_measured() { "" } else { " …" };
+    let sign = |is_new: bool| if is_new { "" } else { " …" };
+    let (old, old_feet) = (sign(solved.is_measured()), sign(solved.has_feet_measured()));
     let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.4}{old}"));
     let rms = solved.residual_rms() / solved.clip.facts.height.value;
     let mut rows = vec![
@@ -360,8 +361,9 @@ fn quality_rows(editor: &Editor) -> Vec<Row> {
             "What the original path leaves over along x, y, z; body heights.".to_owned(),
         ),
     ];
-    let pair =
-        |pair: Option<Pair>| pair.map_or_else(|| "–".to_owned(), |p| format!("{:.4} → {:.4}{old}", p.source, p.edited));
+    let pair = |pair: Option<Pair>| {
+        pair.map_or_else(|| "–".to_owned(), |p| format!("{:.4} → {:.4}{old_feet}", p.source, p.edited))
+    };
     for (foot, numbers) in solved.feet.plants.iter().zip(solved.foot_numbers.iter()) {
         let joint = &solved.clip.skeleton.joint(foot.leg.ankle).name;
         rows.push(fact(

@@ -102,6 +102,44 @@ impl Body {
         self.look_at(&Placed::new(self, edited, turning), points)
     }
 
+    /// Returns where an edit of the clip has some of the points, and looks at nothing else.
+    ///
+    /// # Panics
+    ///
+    /// As [`Body::look`].
+    pub fn moved(&self, edited: &EditedClip, turning: &Turning, points: &[usize]) -> PointTracks {
+        let placed = Placed::new(self, edited, turning);
+        let n = placed.source_frames.len();
+        let parts = halves(n, 0, |frames| {
+            let mut tracks = PointTracks::new(points.len(), frames.len());
+            let mut moves = placed.no_moves();
+            let mut stretch = Stretch::new();
+            for from in frames.clone().step_by(STRETCH) {
+                let end = (from + STRETCH).min(frames.end);
+                placed.moves(self, from..end, &mut moves);
+                stretch.begin(&placed.source_frames[from..end]);
+                for (idx, &point) in points.iter().enumerate() {
+                    let piece = placed.piece_of[point];
+                    if let Some(piece) = piece {
+                        stretch.spread(&moves[piece]);
+                    }
+                    self.place(&mut stretch, point, piece.is_some());
+                    tracks.put(idx, from - frames.start, stretch.world.each_ref().map(|axis| &axis[..end - from]));
+                }
+            }
+            tracks
+        });
+        let mut tracks = PointTracks::new(points.len(), n);
+        let mut first = 0;
+        for part in &parts {
+            for point in 0..points.len() {
+                tracks.put(point, first, [part.x(point), part.y(point), part.z(point)]);
+            }
+            first += part.n_frames();
+        }
+        tracks
+    }
+
     fn look_at(&self, placed: &Placed, points: &[usize]) -> (Sweep, PointTracks) {
         let n = placed.source_frames.len();
         // The frames of the last third difference before the middle are taken again after it.
@@ -156,7 +194,7 @@ impl Body {
                         stretch.spread(&moves[piece]);
                     }
                 }
-                stretch.place([self.tracks.x(point), self.tracks.y(point), self.tracks.z(point)], piece.is_some());
+                self.place(&mut stretch, point, piece.is_some());
                 if is_joint {
                     part.jerk_sum += jerk_sum(&stretch.world, end - from);
                 }
@@ -173,6 +211,11 @@ impl Body {
             from = end - overlap;
         }
         part
+    }
+
+    /// Brings a point to where the moves that are spread in a stretch have it.
+    fn place(&self, stretch: &mut Stretch, point: usize, follows: bool) {
+        stretch.place([self.tracks.x(point), self.tracks.y(point), self.tracks.z(point)], follows);
     }
 }
 
@@ -440,10 +483,12 @@ mod tests {
                 };
                 let points = [clip.skeleton.n_joints(), arm.idx()];
                 let (sweep, tracks) = body.look(&edited, &turning, &points);
+                let alone = body.moved(&edited, &turning, &points);
                 let mut world = Vec::new();
                 for f in 0..frames.len() {
                     edited.world_points(f, &mut world);
                     for (idx, &point) in points.iter().enumerate() {
+                        assert_eq!(alone.position(idx, f), tracks.position(idx, f));
                         assert!(tracks.position(idx, f).distance(world[point]) < 1e-9, "point {point} of frame {f}");
                     }
                 }

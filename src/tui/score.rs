@@ -16,7 +16,8 @@ use crate::{
 pub(super) fn fitting(editor: &Editor, width: usize) -> (String, String) {
     let solved = editor.document().solved();
     let mut scores = scores(solved);
-    if !solved.is_measured() {
+    let is_of_feet = !solved.feet.plants.is_empty();
+    if !(if is_of_feet { solved.has_feet_measured() } else { solved.is_measured() }) {
         scores.iter_mut().for_each(|score| score.push_str(" …"));
     }
     let states = [state(editor), playback(editor), sign(editor).to_owned()];
