@@ -7,7 +7,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, layers, loops, maps, pose, views,
+    feet, layers, loops, map_keys, maps, pose, views,
 };
 use crate::{
     document::{Change, parameter},
@@ -248,6 +248,10 @@ pub(super) fn move_camera(editor: &mut Editor, command: &'static str, by: Move) 
 
 /// Undoes a step.
 pub(super) fn undo(editor: &mut Editor) -> Effect {
+    if let Some(what) = map_keys::take_back(editor) {
+        editor.say(Message::note(format!("undone: {what}; set again with I")));
+        return Effect::None;
+    }
     let what = editor.document.undoable().map(str::to_owned);
     editor.document.undo();
     travelled(editor, "undo", what)

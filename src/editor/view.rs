@@ -76,6 +76,8 @@ pub struct ViewState {
     pub layer_idx: usize,
     /// File frame of the first of two interpolation keys, until the second is set.
     pub interpolated_from: Option<usize>,
+    /// How many steps there were to undo when it was set.
+    pub(super) interpolated_behind: usize,
     /// The window that keys act on.
     pub(super) window: Window,
     /// The view of each window that keys act on.
@@ -105,6 +107,7 @@ impl ViewState {
             joints: Joints::new(&solved.clip),
             layer_idx: 0,
             interpolated_from: None,
+            interpolated_behind: 0,
             window: Window::First,
             focus: [0; 2],
             camera_idx: 0,
