@@ -431,7 +431,7 @@ pub const COMMANDS: &[Command] = &[
     ),
     row(Group::Camera, "camera.reset", &["ar"], "The preset as it came.", always, |e, c| {
         camera::put(e, c, CameraEdits::default());
-        views::tell_moved(e);
+        views::tell_moved(e, ": as it came");
         Effect::None
     }),
     row(Group::Show, "show.original_skeleton", &["vo"], "The actor as captured.", always, |e, c| {

@@ -199,7 +199,9 @@ pub(super) fn clear_clip(editor: &mut Editor, command: &'static str, name: &'sta
     editor.set(command, name, toml::Value::Boolean(!is_cleared));
     editor.end_step();
     if editor.view.message.is_none() {
-        editor.say(Message::note(format!("{name} {}", on_off(!is_cleared))));
+        let data = if name == "clip.clear_position" { "position" } else { "rotation" };
+        let how = if is_cleared { "in use again" } else { "cleared" };
+        editor.say(Message::note(format!("the clip's own {data} data: {how} ({name})")));
     }
     Effect::None
 }

@@ -30,22 +30,24 @@ pub struct Message {
     pub severity: Severity,
     /// The line.
     pub text: String,
+    /// What comes after it in the terminal; pictures do without.
+    pub hint: &'static str,
 }
 
 impl Message {
     /// Makes a note.
     pub fn note(text: String) -> Self {
-        Self { severity: Severity::Note, text }
+        Self { severity: Severity::Note, text, hint: "" }
     }
 
     /// Makes a warning.
     pub fn warning(text: String) -> Self {
-        Self { severity: Severity::Warning, text }
+        Self { severity: Severity::Warning, text, hint: "" }
     }
 
     /// Makes an error.
     pub fn error(text: String) -> Self {
-        Self { severity: Severity::Error, text }
+        Self { severity: Severity::Error, text, hint: "" }
     }
 }
 

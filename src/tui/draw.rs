@@ -311,7 +311,8 @@ fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) 
                 Severity::Error => ("✗ ", palette.warning()),
             };
             // A message may need the whole line; the state can be read again with the next key.
-            StatusLine { left: &format!("{sign}{}", message.text), right: "", style }.render(area, buf);
+            let told = format!("{sign}{}{}", message.text, message.hint);
+            StatusLine { left: &told, right: "", style }.render(area, buf);
         }
         None => {
             let (left, right) = score::fitting(editor, usize::from(area.width));
