@@ -194,7 +194,7 @@ fn each_state_says_what_it_is() {
         ("l6l6", "█◆█"),
         ("lmc", "c███◆███"),
         ("lms", "~~◆~~"),
-        ("g", "Select all from it to the root, or not."),
+        ("g", "Select its chain to the root, or not."),
         ("gcgcgr", "Chest, selected; 3 selected"),
         ("<tab><tab><tab><tab>gtiD250<enter>0", "─◆─"),
         ("<tab><tab><tab><tab>gtiD250<enter>0", "*◆ 2 keys"),
@@ -214,6 +214,21 @@ fn a_line_being_typed_has_the_cursor_and_the_picture_is_wanted_in_the_size_of_it
     assert_eq!(lines(&buf)[38], "set NAME=VALUE: ab");
     assert_eq!(cursor, Position::new(18, 38));
     assert_eq!(found, Drawn { picture_size: (72, 64), help_end: 0 });
+}
+
+#[test]
+fn the_joints_tab_says_how_to_move_a_joint() {
+    let joints = "<tab><tab><tab><tab>";
+    for (keys, words) in [("", "XYZ move it along"), ("eGG", "XYZ turn it about its parent's")] {
+        // A narrow panel leaves the rest to the line below.
+        for (size, panel, end) in [((80, 24), 45, "; e turn"), ((120, 40), 73, "{ } step, c type.")] {
+            let screen = screen(&format!("{joints}{keys}"), size);
+            let lines: Vec<String> = screen.iter().map(|line| line.chars().skip(panel).collect()).collect();
+            let text = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+            assert!(text.contains("gr selects its chain, gt it; xyz"), "{text}");
+            assert!(text.contains(words) && text.contains(end), "{text}");
+        }
+    }
 }
 
 #[test]
