@@ -1,9 +1,11 @@
 //! Key triples: a clip, keys, the state that follows.
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 use walkabout::{
     document::{self, Change, Document},
-    editor::{Editor, Effect, RowKind, TABS},
+    editor::{COMMANDS, Command, Editor, Effect, Group, RowKind, TABS},
 };
 
 fn editor() -> Editor {
@@ -249,6 +251,44 @@ fn unfinished_sequences_wait_and_nonsense_is_told() {
     assert_eq!(e.pending().len(), 0);
     e.keys("s!");
     assert!(e.view().message.as_ref().is_some_and(|m| m.text.starts_with("s! does nothing")));
+    for (keys, why) in [
+        ("s!", "s! does nothing here; ? shows the keys"),
+        ("e", "e does nothing here; it does on the joints tab"),
+        ("D", "D does nothing here; it does on the joints tab"),
+        ("O", "O does nothing here; there are no interpolation keys; I sets them"),
+        ("Bm", "Bm does nothing here; there is no layer yet; Bn makes one"),
+    ] {
+        let mut e = editor();
+        e.keys(keys);
+        assert_eq!(e.view().message.as_ref().map(|m| m.text.as_str()), Some(why));
+    }
+}
+
+#[test]
+fn help_begins_with_what_the_open_tab_is_about() {
+    for (tab, group) in
+        [("path", Group::Play), ("feet", Group::Feet), ("joints", Group::Joints), ("layers", Group::Layers)]
+    {
+        let mut e = editor();
+        let tab_idx = TABS.iter().position(|t| t.title() == tab).expect("a tab");
+        e.keys(&"<tab>".repeat(tab_idx));
+        let hints = e.hints();
+        assert_eq!(hints[0].group, group, "{tab}");
+        let n_groups = 1 + hints.windows(2).filter(|pair| pair[0].group != pair[1].group).count();
+        let different: HashSet<&str> = hints.iter().map(|hint| hint.group.title()).collect();
+        assert_eq!(n_groups, different.len(), "{tab}: each group stands together");
+    }
+}
+
+#[test]
+fn help_is_read_whole_on_a_narrow_terminal() {
+    let width = |text: &str| text.chars().count();
+    let keys = |command: &Command| width(&command.keys.join(" "));
+    let longest = COMMANDS.iter().map(keys).max().expect("commands");
+    for command in COMMANDS {
+        // The last column is for the sign that there is more.
+        assert!(longest + 2 + width(command.doc) < 80, "{}: {}", command.name, command.doc);
+    }
 }
 
 #[test]

@@ -271,7 +271,7 @@ fn what_is_shown_before_it_is_measured_says_so_and_looks_the_same_after() {
 fn what_cannot_be_moved_is_told() {
     let mut e = posing("gcgcgcgsgcgc");
     e.keys("x");
-    assert!(message(&e).contains("select joints first"), "{}", message(&e));
+    assert!(message(&e).ends_with("select joints first, gr the chain to the root"), "{}", message(&e));
     assert_eq!((e.document().depth(), maps(&e).as_str()), ((0, 0), "no layer"));
     let mut e = posing(ARM);
     e.keys(":pose.nudge=1<enter>x");
@@ -286,6 +286,19 @@ fn the_carrier_moves_with_its_position_or_its_joint_active() {
         e.keys("yy");
         assert!(place_of(&e, "Hips").abs_diff_eq(at + 0.04 * height(&e) * DVec3::Y, 1e-9 * height(&e)));
         assert_eq!(maps(&e), "0 position");
+        assert_eq!(message(&e), "layer 1: 1 key at file frame 0, 1 in all");
+        e.keys("..h");
+        assert_eq!(e.view().frame_idx, 0, "keys walk to what the carrier was moved by");
+        e.keys("d");
+        assert_eq!(maps(&e), "");
+    }
+    for (keys, told) in [
+        // A chain is selected in which the position is not.
+        ("gcgrgpx", "layer 1: 1 key at file frame 0, 1 in all"),
+        // What is turned is not selected.
+        ("gtgcex", "layer 1: 1 key at file frame 0, 1 in all"),
+    ] {
+        assert_eq!(message(&posing(keys)), told, "after {keys}");
     }
 }
 
@@ -396,6 +409,14 @@ fn two_interpolation_keys_replace_the_clip_between_them() {
     assert_eq!((e.view().interpolated_from, e.document().depth()), (Some(4), (0, 0)));
     e.keys("I");
     assert_eq!((e.view().interpolated_from, e.document().depth()), (None, (0, 0)), "one frame is no range");
+    // One alone is taken back like a step, after what was done later.
+    e.keys("Ixu");
+    assert_eq!((e.view().interpolated_from, e.document().depth()), (Some(4), (0, 1)));
+    e.keys("u");
+    assert_eq!((e.view().interpolated_from, e.document().depth()), (None, (0, 1)));
+    assert!(message(&e).starts_with("undone: interpolation key at file frame 4"), "{}", message(&e));
+    e.keys("Uu");
+    assert_eq!(e.document().depth(), (0, 1));
     e.keys("I$I");
     let last = e.view().frame_idx;
     assert_eq!(e.document().edits().interpolation_keys, Some(InterpolationKeys { first: 4, last }));
@@ -443,6 +464,29 @@ fn dragging_a_selected_joint_moves_it_in_the_views_plane() {
     e.release();
     assert!(message(&e).contains("LeftWrist is not selected"), "{}", message(&e));
     assert_eq!(rigids(&e), before);
+}
+
+#[test]
+fn a_drag_beyond_reach_says_by_how_much_it_is_short() {
+    let mut e = editor();
+    e.keys("f......");
+    e.keys(BENT);
+    e.keys("gt");
+    let scene = e.scene();
+    let wrist = joint_idx(&e, "LeftWrist");
+    let camera = scene.now.views[0].camera;
+    let right = (camera.target - camera.eye).cross(camera.up).normalize();
+    let to = place_of(&e, "LeftWrist") + 2.0 * height(&e) * right;
+    e.press(&scene, &ray_to(&scene, wrist, 0.0));
+    e.drag(&ray_to(&scene, wrist, 2.0));
+    let short = format!("LeftWrist reaches no farther: {:.2} cm short", place_of(&e, "LeftWrist").distance(to));
+    assert_eq!(message(&e), short);
+    assert!(e.scene().now.caption.contains(&short), "it is said where the pointer is");
+    e.drag(&ray_to(&scene, wrist, 0.02));
+    assert_eq!(message(&e), "", "and no longer once it is reached");
+    e.drag(&ray_to(&scene, wrist, 2.0));
+    e.release();
+    assert_eq!(message(&e), short);
 }
 
 #[test]

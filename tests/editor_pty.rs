@@ -77,7 +77,8 @@ fn dotted(screen: &vt100::Screen) -> usize {
 
 /// Returns the frame that the timeline names.
 fn frame(screen: &vt100::Screen) -> Option<usize> {
-    line(screen, 6).strip_prefix("frame ")?.split(" of ").next()?.parse().ok()
+    let lines = screen.rows(0, screen.size().1.get());
+    lines.filter_map(|line| line.strip_prefix("frame ")?.split(" of ").next()?.parse().ok()).next()
 }
 
 /// Returns the colours of all cells.

@@ -60,11 +60,59 @@ fn a_view_is_labelled_by_where_it_is_seen_from_and_camera_keys_say_so() {
         let mut e = editor();
         e.keys(keys);
         assert_eq!(e.scene().now.views[0].title, title, "after {keys}");
-        if !keys.ends_with(['o', 'f']) {
-            assert!(message(&e).starts_with(&format!("camera {title}")), "after {keys}: {}", message(&e));
-            let moved = !keys.ends_with('2');
-            assert_eq!(message(&e).contains("the picture (b) show"), moved, "after {keys}: {}", message(&e));
-        }
+        assert!(message(&e).starts_with(&format!("camera {title}")), "after {keys}: {}", message(&e));
+        let hint = e.view().message.as_ref().map_or("", |message| message.hint);
+        let moved = !keys.ends_with('2');
+        assert_eq!(hint.contains("the window (w) and the picture (b) show"), moved, "after {keys}");
+        let caption = e.scene().now.caption;
+        assert!(caption.contains(&message(&e)) && !caption.contains("(w)"), "who sees the picture knows: {caption}");
+    }
+}
+
+#[test]
+fn camera_keys_say_what_they_did() {
+    for (keys, told) in [
+        (")", "camera 1 three-quarter, perspective: zoomed in ×1.14"),
+        ("2(", "camera 2 front, orthographic: zoomed out ×0.88"),
+        ("<a-left>", "camera 1 three-quarter, perspective: panned left"),
+        ("<a-down>", "camera 1 three-quarter, perspective: panned down"),
+        ("L", "camera 1 turned, perspective: orbited right"),
+        ("K", "camera 1 turned, perspective: orbited up"),
+        ("az", "camera 1 along z, orthographic: looks along z"),
+        ("t", "camera 1 three-quarter, perspective: looks at the carrier"),
+        ("Lar", "camera 1 three-quarter, perspective: as it came"),
+        ("o", "camera 1 three-quarter, orthographic (camera.1.projection)"),
+        ("3f", "camera 3 side, orthographic, following (camera.3.follow)"),
+        ("ff", "camera 1 three-quarter, perspective, standing still (camera.1.follow)"),
+        ("V2Vn)", "view 2 camera 2 front, orthographic: zoomed in ×1.14"),
+    ] {
+        let mut e = editor();
+        e.keys(keys);
+        assert_eq!(message(&e), told, "after {keys}");
+    }
+}
+
+#[test]
+fn toggles_answer_in_words_and_with_the_name_to_set_it_by() {
+    for (keys, told) in [
+        ("vr", "traces: on (show.traces)"),
+        ("vo", "original skeleton: off (show.original_skeleton)"),
+        ("P", "walks the new path: off (path.edited)"),
+        ("C", "cycling: plain (timing.cycling)"),
+        ("<gt>", "speed: 1.41 times (timing.speed)"),
+        ("G", "axes: view (pose.axes)"),
+        ("}", "step: 0.141 body heights (path.nudge)"),
+        ("V4", "4 views (view.layout)"),
+        ("V2vg", "view 1 hides ground (view.1.hide)"),
+        ("V2VnvTvT", "view 2 shows original tracker (view.2.hide)"),
+        ("BP", "the clip's own position data: cleared (clip.clear_position)"),
+        ("BRBR", "the clip's own rotation data: in use again (clip.clear_rotation)"),
+    ] {
+        let mut e = editor();
+        // Axes are those of the joints tab.
+        e.keys(if keys == "G" { "<tab><tab><tab><tab>" } else { "" });
+        e.keys(keys);
+        assert_eq!(message(&e), told, "after {keys}");
     }
 }
 
@@ -175,7 +223,7 @@ fn a_view_hides_and_shows_for_itself() {
     check_views("V2VnvrVnvr", "[1 []] | 2 []");
     let mut e = editor();
     e.keys("V2Vnvg");
-    assert_eq!(message(&e), "view.2 hides ground");
+    assert_eq!(message(&e), "view 2 hides ground (view.2.hide)");
     let shows = |e: &Editor, object| e.scene().now.views.iter().map(|v| v.shows.contains(object)).collect::<Vec<_>>();
     assert_eq!(shows(&e, Object::Ground), [true, false]);
     assert!(e.document().edits().view.show.ground);

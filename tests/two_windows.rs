@@ -124,7 +124,7 @@ fn two_windows_follow_one_document_and_close_alone() {
     second.press(&["Shift_L", "v"]);
     second.press(&["2"]);
     await_views(&second, 2);
-    host.await_text("second.layout 2");
+    host.await_text("2 views (second.layout)");
     host.send(b"V43");
     let in_second = await_views(&second, 4);
     await_state(&host, "second window view 1 camera 3");

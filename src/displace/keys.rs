@@ -2,17 +2,19 @@
 //!
 //! In project files a map is a list of `{ frame, value }`; a rotation's value is `[w, x, y, z]`.
 
-use std::ops::Range;
+use std::{fmt, marker::PhantomData, ops::Range};
 
 use glam::{DQuat, DVec3};
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::DeserializeOwned, de::Error as _};
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer},
+};
 
 /// A quaternion whose squared length is this near to 1 is left as it is, so that what is read is what was written.
 const UNIT: f64 = 1e-12;
 
 /// A value at a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Key<T> {
     /// Frame of the file, rest frames counted.
     pub frame: usize,
@@ -22,34 +24,39 @@ pub struct Key<T> {
 
 /// What a map can hold, and how files write it.
 pub trait MapValue: Copy {
+    /// What files write, for people.
+    const WORDS: &'static str;
     /// The numbers in a file.
-    type Numbers: Serialize + DeserializeOwned;
+    type Numbers: Serialize;
     /// Returns the numbers to write.
     fn numbers(self) -> Self::Numbers;
     /// Reads numbers; none when they are no such value.
-    fn from_numbers(numbers: Self::Numbers) -> Option<Self>;
+    fn from_numbers(numbers: &[f64]) -> Option<Self>;
 }
 
 impl MapValue for DVec3 {
+    const WORDS: &'static str = "an offset [x, y, z]";
     type Numbers = [f64; 3];
 
     fn numbers(self) -> [f64; 3] {
         self.to_array()
     }
 
-    fn from_numbers(numbers: [f64; 3]) -> Option<Self> {
-        Some(Self::from_array(numbers)).filter(|v| v.is_finite())
+    fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        Some(Self::from_array(numbers.try_into().ok()?)).filter(|v| v.is_finite())
     }
 }
 
 impl MapValue for DQuat {
+    const WORDS: &'static str = "a rotation [w, x, y, z], not all of them zero";
     type Numbers = [f64; 4];
 
     fn numbers(self) -> [f64; 4] {
         [self.w, self.x, self.y, self.z]
     }
 
-    fn from_numbers([w, x, y, z]: [f64; 4]) -> Option<Self> {
+    fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let [w, x, y, z] = numbers.try_into().ok()?;
         let q = Self::from_xyzw(x, y, z, w);
         let length_squared = q.length_squared();
         let is_rotation = length_squared.is_finite() && length_squared > 0.0;
@@ -125,16 +132,70 @@ impl<T: MapValue> Serialize for Keys<T> {
 
 impl<'de, T: MapValue> Deserialize<'de> for Keys<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut keys = Self::default();
-        for Key { frame, value } in Vec::<Key<T::Numbers>>::deserialize(deserializer)? {
-            let value = T::from_numbers(value)
-                .ok_or_else(|| D::Error::custom(format!("the value at frame {frame} is not finite, or no rotation")))?;
-            if keys.get(frame).is_some() {
-                return Err(D::Error::custom(format!("two keys at frame {frame}")));
-            }
-            keys.set(frame, value);
-        }
+        deserializer.deserialize_seq(List(PhantomData))
+    }
+}
+
+/// Reads a list of keys. What is wrong is found where it stands, so that an error can name its place.
+struct List<T>(PhantomData<T>);
+
+impl<'de, T: MapValue> Visitor<'de> for List<T> {
+    type Value = Keys<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of keys { frame, value }")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Keys<T>, A::Error> {
+        let mut keys = Keys::default();
+        while items.next_element_seed(Next(&mut keys))?.is_some() {}
         Ok(keys)
+    }
+}
+
+/// Reads one key more.
+struct Next<'a, T>(&'a mut Keys<T>);
+
+impl<'de, T: MapValue> DeserializeSeed<'de> for Next<'_, T> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de, T: MapValue> Visitor<'de> for Next<'_, T> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a key { frame, value }")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<(), A::Error> {
+        let Written { frame, value: Wanted(value) } = Written::deserialize(MapAccessDeserializer::new(map))?;
+        if self.0.get(frame).is_some() {
+            return Err(A::Error::custom(format!("two keys at frame {frame}")));
+        }
+        self.0.set(frame, value);
+        Ok(())
+    }
+}
+
+/// A key as files have it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, bound = "T: MapValue")]
+struct Written<T> {
+    frame: usize,
+    value: Wanted<T>,
+}
+
+struct Wanted<T>(T);
+
+impl<'de, T: MapValue> Deserialize<'de> for Wanted<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let numbers = Vec::<f64>::deserialize(deserializer)?;
+        let value = T::from_numbers(&numbers);
+        value.map(Self).ok_or_else(|| D::Error::custom(format!("expected {}, found {numbers:?}", T::WORDS)))
     }
 }
 
@@ -184,11 +245,13 @@ mod tests {
 
     #[test]
     fn numbers_that_are_no_rotation_are_refused_and_others_keep_their_bits() {
-        assert_eq!(DQuat::from_numbers([0.0; 4]), None);
-        assert_eq!(DQuat::from_numbers([f64::NAN, 0.0, 0.0, 1.0]), None);
-        assert_eq!(DVec3::from_numbers([f64::INFINITY, 0.0, 0.0]), None);
-        assert_eq!(DQuat::from_numbers([2.0, 0.0, 0.0, 0.0]), Some(DQuat::IDENTITY));
+        assert_eq!(DQuat::from_numbers(&[0.0; 4]), None);
+        assert_eq!(DQuat::from_numbers(&[1.0; 5]), None);
+        assert_eq!(DQuat::from_numbers(&[f64::NAN, 0.0, 0.0, 1.0]), None);
+        assert_eq!(DVec3::from_numbers(&[f64::INFINITY, 0.0, 0.0]), None);
+        assert_eq!(DVec3::from_numbers(&[1.0; 2]), None);
+        assert_eq!(DQuat::from_numbers(&[2.0, 0.0, 0.0, 0.0]), Some(DQuat::IDENTITY));
         let q = DQuat::from_euler(glam::EulerRot::XYZ, 0.1, 0.7, -2.0);
-        assert_eq!(DQuat::from_numbers(q.numbers()), Some(q));
+        assert_eq!(DQuat::from_numbers(&q.numbers()), Some(q));
     }
 }

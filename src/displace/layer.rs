@@ -198,9 +198,9 @@ name = "empty"
         for (from, to, words) in [
             ("weight = 0.5", "weight = 1.5", "weight is 0 to 1"),
             ("frame = 12", "frame = 4", "two keys at frame 4"),
-            ("[1, 0, 0, 0]", "[0, 0, 0, 0]", "frame 3"),
+            ("[1, 0, 0, 0]", "[0, 0, 0, 0]", "expected a rotation [w, x, y, z]"),
             ("merged = true", "frozen = true", "frozen"),
-            ("[0, 0, 0] }", "[0, 0] }", ""),
+            ("[0, 0, 0] }", "[0, 0] }", "expected an offset [x, y, z]"),
         ] {
             let error = toml::from_str::<File>(&TEXT.replacen(from, to, 1)).expect_err(to).to_string();
             assert!(error.contains(words), "{error}");

@@ -140,7 +140,21 @@ impl<'a> Stack<'a> {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let end = self.clip.n_file_frames() - 1;
-        for layer in self.layers {
+        for (idx, layer) in self.layers.iter().enumerate() {
+            let namesake = |other: &Layer| other.name == layer.name;
+            let n_before = self.layers[..idx].iter().filter(|other| namesake(other)).count();
+            let is_last = !self.layers[idx + 1..].iter().any(namesake);
+            if n_before > 0 && is_last {
+                warnings.push(format!("{} layers are called {}; rename all but one", n_before + 1, layer.name));
+            }
+            if layer.merged
+                && let Some(below) = self.layers[..idx].iter().find(|below| !below.merged)
+            {
+                warnings.push(format!(
+                    "layer {} is merged into the motion, so it lies below layer {}, whatever their order in the list",
+                    layer.name, below.name
+                ));
+            }
             if let Some(frame) = layer.frames().filter(|&frame| frame > end).min() {
                 warnings.push(format!("layer {}: keys from file frame {frame} on, the clip ends at {end}", layer.name));
             }
@@ -529,6 +543,21 @@ mod tests {
             assert!(warnings.iter().any(|w| w.starts_with("layer odd: ") && w.contains(word)), "{warnings:?}");
         }
         assert!(stack.displaced().turned.is_empty() && !can_turn(&clip, STIFF));
+    }
+
+    #[test]
+    fn layers_that_are_easily_mistaken_are_told() {
+        let clip = Sample::default().clip();
+        let merged = |name: &str| Layer { merged: true, ..Layer::new(name) };
+        let check = |layers: &[Layer], expected: &[&str]| {
+            assert_eq!(Stack { clip: &clip, base: &[], layers }.warnings(), expected);
+        };
+        let rename = "3 layers are called wave; rename all but one";
+        check(&["wave", "arms", "wave", "legs", "wave"].map(Layer::new), &[rename]);
+        check(&[merged("a"), merged("b"), Layer::new("c")], &[]);
+        let below =
+            "layer c is merged into the motion, so it lies below layer b, whatever their order in the list".to_owned();
+        check(&[merged("a"), Layer::new("b"), merged("c")], &[&below]);
     }
 
     #[test]

@@ -38,9 +38,36 @@ const KEYS: [&str; 18] = [
 /// When one cannot be read: its index and why.
 pub(super) fn read<T: DeserializeOwned>(items: &[Value]) -> Result<Vec<T>, (usize, String)> {
     let entry = |(idx, item): (usize, &Value)| {
-        item.clone().try_into().map_err(|e: toml::de::Error| (idx, e.message().trim_end().to_owned()))
+        item.clone().try_into().map_err(|e: toml::de::Error| (idx, in_words(e.message().trim_end())))
     };
     items.iter().enumerate().map(entry).collect()
+}
+
+/// Says what a reader of TOML says as this program's other errors say it: what is expected before what was found, and
+/// no types of a programming language.
+fn in_words(message: &str) -> String {
+    let mistaken = ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
+    let Some((found, expected)) = mistaken.and_then(|rest| rest.split_once(", expected ")) else {
+        return message.replace("unknown variant ", "unknown word ");
+    };
+    let expected = match expected {
+        "usize" => "a whole number from 0 on",
+        "f64" => "a number",
+        "a boolean" => "true or false",
+        "a string" => "a text in quotes",
+        "string or table" | "string only" => "a word in quotes",
+        "a sequence" => "a list",
+        "a map" => "a table",
+        other => other.strip_prefix("struct ").map_or(other, |_| "a table"),
+    };
+    let found = match found {
+        // Its reader does not tell what it was.
+        "unit variant" => return format!("expected {expected}"),
+        "sequence" => "a list".to_owned(),
+        "map" => "a table".to_owned(),
+        other => other.replacen("floating point ", "", 1).replacen("integer ", "", 1).replacen("string ", "", 1),
+    };
+    format!("expected {expected}, found {found}")
 }
 
 /// Reads a list of edited plants.

@@ -339,11 +339,29 @@ mod tests {
         for (from, to, place, words) in [
             ("weight = 0.5", "weight = 1.5", "5:10", "weight is 0 to 1, found 1.5"),
             ("weight", "wieght", "5:1", "unknown field `wieght`"),
-            ("\"euler_linear\"", "\"euler\"", "6:17", "unknown variant `euler`"),
-            ("[1, 0, 0, 0]", "[1, 0, 0]", "9:26", "invalid length 3"),
-            ("[1, 0, 0, 0]", "[1, 0, \"0\", 0]", "9:33", "invalid type"),
-            ("[1, 0, 0, 0]", "[0, 0, 0, 0]", "8:8", "the value at frame 3"),
-            ("frame = 7", "frame = 3", "8:8", "two keys at frame 3"),
+            ("\"euler_linear\"", "\"euler\"", "6:17", "unknown word `euler`, expected one of `quaternion`"),
+            ("\"euler_linear\"", "3", "6:17", "expected a word in quotes"),
+            ("[1, 0, 0, 0]", "[1, 0, 0]", "9:26", "expected a rotation [w, x, y, z], not all of them zero, found [1"),
+            ("[0, 1, 0, 0]", "[0, 1, 0, 0, 0]", "10:26", "expected a rotation [w, x, y, z], not all of them zero"),
+            ("[1, 0, 0, 0]", "[1, 0, \"0\", 0]", "9:33", "expected a number, found \"0\""),
+            ("[0, 1, 0, 0]", "\"x\"", "10:26", "expected a list, found \"x\""),
+            ("[0, 1, 0, 0]", "[0, 0, 0, 0]", "10:26", "expected a rotation [w, x, y, z], not all of them zero, found"),
+            ("[0, 1, 0, 0]", "[nan, 1, 0, 0]", "10:26", "expected a rotation [w, x, y, z], not all of them zero"),
+            ("frame = 7", "frame = 7.5", "10:15", "expected a whole number from 0 on, found `7.5`"),
+            ("frame = 7", "frame = -7", "10:15", "expected a whole number from 0 on, found `-7`"),
+            ("frame = 7", "frame = \"7\"", "10:15", "expected a whole number from 0 on, found \"7\""),
+            ("frame = 7, ", "", "10:5", "missing field `frame`"),
+            ("{ frame = 7, value = [0, 1, 0, 0] }", "7", "10:5", "expected a key { frame, value }, found `7`"),
+            ("frame = 7", "frame = 3", "10:5", "two keys at frame 3"),
+            ("name = \"wave\"", "name = 7", "4:8", "expected a text in quotes, found `7`"),
+            ("weight", "on = 1\nweight", "5:6", "expected true or false, found `1`"),
+            ("weight", "position = 1\nweight", "5:12", "expected a list of keys { frame, value }, found `1`"),
+            (
+                "weight",
+                "position = [\n    { frame = 3, value = [1, 0, 0] },\n    { frame = 4, value = [1, 0] },\n]\nweight",
+                "7:26",
+                "expected an offset [x, y, z], found [1.0, 0.0]",
+            ),
             ("frame = 7", "farme = 7", "10:7", "unknown field `farme`"),
             ("name = \"wave\"", "on = true", "3:1", "missing field `name`"),
             ("name = \"wave\"", "name = \" \"", "4:8", "a layer needs a name"),
@@ -351,6 +369,7 @@ mod tests {
             let good = "format = 1\n\n[[layer]]\nname = \"wave\"\nweight = 0.5\ninterpolation = \"euler_linear\"\n\
                 [layer.rotation]\nNeck = [\n    { frame = 3, value = [1, 0, 0, 0] },\n    { frame = 7, value = [0, 1, 0, 0] },\n]\n";
             assert!(parse(good, "p.toml").is_ok());
+            assert!(good.contains(from), "{from}");
             let error = parse(&good.replacen(from, to, 1), "p.toml").expect_err(to).to_string();
             assert!(error.starts_with(&format!("p.toml:{place}: `layer` entry 1: {words}")), "{error}");
         }

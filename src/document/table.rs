@@ -469,7 +469,7 @@ mod tests {
         check("timing.step=nan", Err("`timing.step` takes a number from 0.000001 to 0.1, found `NaN`"));
         check(
             "plant=[{foot=\"left\", first=-3, last=9}]",
-            Err("`plant` entry 1: invalid value: integer `-3`, expected usize"),
+            Err("`plant` entry 1: expected a whole number from 0 on, found `-3`"),
         );
         check(
             "plant=none",

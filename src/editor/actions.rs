@@ -7,7 +7,7 @@ use toml::Value;
 use super::{
     Asking, Editor, Effect, Message, Prompt, RowKind, TABS, Tab,
     camera::{self, Move},
-    feet, layers, loops, maps, pose, views,
+    feet, layers, loops, map_keys, maps, pose, views,
 };
 use crate::{
     document::{Change, parameter},
@@ -95,13 +95,34 @@ pub(super) fn step_value(editor: &mut Editor, command: &'static str, name: &str,
         return views::toggle(editor, command, name);
     }
     if let Some(value) = stepped(editor, name, n, big) {
-        let text = crate::document::show_value(&value);
         editor.set(command, name, value);
         if editor.view.message.is_none() {
-            editor.say(Message::note(format!("{name} {text}")));
+            tell_value(editor, name);
         }
     }
     Effect::None
+}
+
+/// Says what a parameter is now: in words, its name in brackets.
+fn tell_value(editor: &mut Editor, name: &str) {
+    let row = parameter(name).expect("commands name parameters of the table");
+    let edits = editor.document.edits();
+    let value = match row.get(edits) {
+        // Steps of a factor have many digits, of which the first ones are heard.
+        Value::Float(number) => format!("{number:.2e}").parse::<f64>().expect("a printed number parses").to_string(),
+        _ => row.display(edits),
+    };
+    let value = if row.unit.is_empty() { value } else { format!("{value} {}", row.unit) };
+    editor.say(Message::note(format!("{}: {value} ({name})", in_words(name))));
+}
+
+/// Returns what a parameter is called where its section is no part of the name.
+fn in_words(name: &str) -> String {
+    match name {
+        "path.edited" => "walks the new path".to_owned(),
+        "path.nudge" | "pose.nudge" | "pose.turn" => "step".to_owned(),
+        _ => name.rsplit('.').next().expect("a name has a last part").replace('_', " "),
+    }
 }
 
 pub(super) fn step_row(editor: &mut Editor, command: &'static str, n: i64, big: bool) -> Effect {
@@ -226,28 +247,31 @@ pub(super) fn shape(editor: &mut Editor, command: &'static str, kind: ShapeKind)
 
 pub(super) fn set_camera(editor: &mut Editor, command: &'static str, field: &str, value: Value) -> Effect {
     let name = format!("camera.{}.{field}", editor.view.camera_idx + 1);
-    let text = crate::document::show_value(&value);
     editor.set(command, &name, value);
-    editor.say(Message::note(format!("{name} {text}")));
+    views::tell_moved(editor, &format!(" ({name})"));
     Effect::None
 }
 
 pub(super) fn toggle_follow(editor: &mut Editor, command: &'static str) -> Effect {
     camera::toggle_follow(editor, command);
     let camera_idx = editor.view.camera_idx;
-    let follows = editor.document.edits().view.cameras[camera_idx].follow;
-    editor.say(Message::note(format!("camera.{}.follow {follows}", camera_idx + 1)));
+    let stands = if editor.document.edits().view.cameras[camera_idx].follow { "" } else { ", standing still" };
+    views::tell_moved(editor, &format!("{stands} (camera.{}.follow)", camera_idx + 1));
     Effect::None
 }
 
 pub(super) fn move_camera(editor: &mut Editor, command: &'static str, by: Move) -> Effect {
     camera::change(editor, command, by);
-    views::tell_moved(editor);
+    views::tell_moved(editor, &format!(": {}", camera::in_words(by)));
     Effect::None
 }
 
 /// Undoes a step.
 pub(super) fn undo(editor: &mut Editor) -> Effect {
+    if let Some(what) = map_keys::take_back(editor) {
+        editor.say(Message::note(format!("undone: {what}; set again with I")));
+        return Effect::None;
+    }
     let what = editor.document.undoable().map(str::to_owned);
     editor.document.undo();
     travelled(editor, "undo", what)

@@ -249,6 +249,20 @@ fn moved(editor: &Editor, by: Move) -> CameraEdits {
     }
 }
 
+/// Says what a move does to a camera.
+pub(super) fn in_words(by: Move) -> String {
+    let way = |n: i32, forth, back| if n > 0 { forth } else { back };
+    match by {
+        Move::Orbit(0, over) => format!("orbited {}", way(over, "up", "down")),
+        Move::Orbit(around, _) => format!("orbited {}", way(around, "right", "left")),
+        Move::Pan(0, along) => format!("panned {}", way(along, "up", "down")),
+        Move::Pan(across, _) => format!("panned {}", way(across, "right", "left")),
+        Move::Zoom(nearer) => format!("zoomed {} ×{:.2}", way(nearer, "in", "out"), ZOOM_STEP.powi(-nearer)),
+        Move::Along(axis) => format!("looks along {}", ["x", "y", "z"][axis]),
+        Move::Target => "looks at the carrier".to_owned(),
+    }
+}
+
 /// Moves the camera of the view in focus.
 pub(super) fn change(editor: &mut Editor, command: &'static str, by: Move) {
     let moved = moved(editor, by);

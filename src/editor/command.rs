@@ -54,7 +54,7 @@ impl Group {
         match self {
             Self::Play => "play",
             Self::Panel => "panel",
-            Self::Points => "control points",
+            Self::Points => "control points; joints on their tab",
             Self::Shapes => "ready shapes",
             Self::Feet => "feet",
             Self::Joints => "joints",
@@ -130,7 +130,7 @@ pub const COMMANDS: &[Command] = &[
         Group::Play,
         "slow_motion",
         &["T"],
-        "Slow motion, every frame; ten times slower between interpolation keys.",
+        "Slow motion: each frame, ten times slower between two I keys.",
         has_motion,
         |e, _| look::slow_motion(e),
     ),
@@ -157,7 +157,7 @@ pub const COMMANDS: &[Command] = &[
         Group::Points,
         "point.x_up",
         &["x"],
-        "Move the point along +x; on the joints tab move or turn the joint.",
+        "Move the point along +x, or the joint while its tab is open.",
         places,
         |e, c| nudge(e, c, DVec3::X),
     ),
@@ -216,7 +216,7 @@ pub const COMMANDS: &[Command] = &[
         Group::Points,
         "loop.next",
         &["R"],
-        "Cycle without a seam: repeat the best loop, then the next best.",
+        "Cycle without a seam: the best loop, then the next best.",
         path_editable,
         loops::next,
     ),
@@ -238,7 +238,7 @@ pub const COMMANDS: &[Command] = &[
         Group::Feet,
         "plant.next",
         &["l"],
-        "To the next plant of the foot; on the joints tab to the next key.",
+        "To the foot's next plant; on the joints tab to the next key.",
         |e| pose::is_open(e) || feet::has_plant(e),
         |e, _| if pose::is_open(e) { map_keys::next(e) } else { feet::next(e) },
     ),
@@ -287,7 +287,7 @@ pub const COMMANDS: &[Command] = &[
         joints::other_side(e)
     }),
     row(Group::Joints, "joint.toggle", &["gt"], "Select the joint, or not.", always, |e, _| joints::toggle(e)),
-    row(Group::Joints, "joint.chain", &["gr"], "Select all from it to the root, or not.", always, |e, _| {
+    row(Group::Joints, "joint.chain", &["gr"], "Select its chain to the root, or not.", always, |e, _| {
         joints::toggle_chain(e)
     }),
     row(Group::Joints, "joint.all", &["ga"], "Select all joints.", always, |e, _| joints::select_all(e)),
@@ -425,13 +425,13 @@ pub const COMMANDS: &[Command] = &[
         Group::Camera,
         "view.reset",
         &["aR"],
-        "All cameras, what is drawn, speed, playhead and tabs as they came.",
+        "Cameras, what is drawn, speed, playhead, tabs as they came.",
         always,
         look::reset,
     ),
     row(Group::Camera, "camera.reset", &["ar"], "The preset as it came.", always, |e, c| {
         camera::put(e, c, CameraEdits::default());
-        views::tell_moved(e);
+        views::tell_moved(e, ": as it came");
         Effect::None
     }),
     row(Group::Show, "show.original_skeleton", &["vo"], "The actor as captured.", always, |e, c| {
@@ -503,7 +503,7 @@ pub const COMMANDS: &[Command] = &[
         Group::File,
         "export.interpolated",
         &["<c-e>"],
-        "Export as it is played, the clip replaced between interpolation keys.",
+        "Export as it is played, replaced between interpolation keys.",
         |e| e.document.edits().interpolation_keys.is_some(),
         |e, _| {
             let offered = export_name(e);

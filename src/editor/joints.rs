@@ -107,8 +107,7 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
         let keys = map_keys::count(editor, handle);
         let depth = if let Handle::Joint(id) = handle { depths[id.idx()] } else { 0 };
         let sign = if joints.is_selected(handle) { '◉' } else { '○' };
-        let help =
-            format!("xyz XYZ {step}; e turn or move, G axes, {{ }} step, c type; gt gr select, i d keys, h l walk.");
+        let help = format!("gr selects its chain, gt it; xyz XYZ {step}; e turn or move, G axes, {{ }} step, c type.");
         Row {
             kind: RowKind::Joint(handle),
             label: format!("{}{sign} {}", " ".repeat(depth), name(clip, handle)),

@@ -1,7 +1,10 @@
 //! From key presses to commands: whole sequences are matched, unfinished ones wait and show what may follow.
 
-use super::{COMMANDS, Command, Editor, Effect, Message, command::Group, feet};
+use super::{COMMANDS, Command, Editor, Effect, Message, TABS, command::Group, feet, pose};
 use crate::key::{Code, Key};
+
+/// What helps where nothing more is known.
+const ANY_KEY: &str = "? shows the keys";
 
 /// One line of the help: keys that work now and what they do.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,15 +47,27 @@ pub(super) fn press(editor: &mut Editor, key: Key) -> Effect {
         editor.pending = pending;
     } else if key.code != Code::Esc {
         let text: String = pending.iter().map(ToString::to_string).collect();
-        let of_feet = COMMANDS.iter().filter(|c| c.group == Group::Feet).flat_map(sequences);
-        let why = of_feet.into_iter().any(|keys| keys.starts_with(&pending)).then(|| feet::why_idle(editor));
-        let why = why.unwrap_or_else(|| "? shows the keys".to_owned());
+        let meant = |command: &&Command| sequences(command).any(|keys| keys.starts_with(&pending));
+        let why = COMMANDS.iter().find(meant).map(|command| why_idle(editor, command));
+        let why = why.unwrap_or_else(|| ANY_KEY.to_owned());
         editor.say(Message::note(format!("{text} does nothing here; {why}")));
         if swallows {
             editor.pending = pending;
         }
     }
     Effect::None
+}
+
+/// Says why a command does nothing now.
+fn why_idle(editor: &Editor, command: &Command) -> String {
+    let is_of_poses = command.name.starts_with("pose.") || command.name.starts_with("keys.");
+    match (command.group, command.name) {
+        (Group::Feet, _) => feet::why_idle(editor),
+        (Group::Layers, _) => "there is no layer yet; Bn makes one".to_owned(),
+        (_, "interpolation.delete") => "there are no interpolation keys; I sets them".to_owned(),
+        _ if is_of_poses && !pose::is_open(editor) => "it does on the joints tab".to_owned(),
+        _ => ANY_KEY.to_owned(),
+    }
 }
 
 /// Runs a command; one that made no step ends the joining of steps.
@@ -71,9 +86,12 @@ fn sequences(command: &Command) -> impl Iterator<Item = Vec<Key>> + '_ {
 
 /// Returns the keys that work now.
 pub(super) fn hints(editor: &Editor) -> Vec<Hint> {
-    COMMANDS
-        .iter()
-        .filter(|c| (c.works)(editor))
+    // What the open tab is about comes first.
+    let about = TABS[editor.view.tab_idx].groups();
+    let mut commands: Vec<_> = COMMANDS.iter().filter(|c| (c.works)(editor)).collect();
+    commands.sort_by_key(|c| about.iter().position(|group| *group == c.group).unwrap_or(about.len()));
+    commands
+        .into_iter()
         .filter_map(|command| {
             let rest = sequences(command).filter_map(|keys| {
                 let rest = keys.strip_prefix(editor.pending.as_slice())?;

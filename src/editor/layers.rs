@@ -62,12 +62,17 @@ fn keys_in_words(layer: &Layer) -> String {
 /// Says why a change cannot be made, and the key that helps.
 pub(super) fn refusal(error: &ChangeError) -> String {
     match error {
-        ChangeError::Layer(LayerRefusal::AllMerged(_)) => {
-            let add = COMMANDS.iter().find(|command| command.name == "layer.add").expect("a row of the table");
-            format!("{error}: {} makes one", add.keys[0])
+        ChangeError::Layer(LayerRefusal::AllMerged(_)) => format!("{error}: {} makes one", key("layer.add")),
+        ChangeError::Layer(LayerRefusal::NothingSelected) => {
+            format!("{error}, {} the chain to the root", key("joint.chain"))
         }
         _ => error.to_string(),
     }
+}
+
+/// Returns the first key of a command.
+fn key(name: &str) -> &'static str {
+    COMMANDS.iter().find(|command| command.name == name).expect("a row of the table").keys[0]
 }
 
 /// Tells whether there is a layer in use.
@@ -148,15 +153,13 @@ pub(super) fn weigh(editor: &mut Editor, command: &'static str, n: i64, big: boo
     let step = n as f64 * WEIGHT_STEP * if big { 10.0 } else { 1.0 };
     // Weights are whole hundredths, so that they print as they are meant.
     let weight = ((layer.weight + step) * 100.0).round() / 100.0;
-    change(editor, command, LayerChange::Weigh { layer_idx, weight });
-    Effect::None
+    and_tell(editor, command, LayerChange::Weigh { layer_idx, weight })
 }
 
 /// Gives the layer in use all of its weight.
 pub(super) fn whole_weight(editor: &mut Editor, command: &'static str) -> Effect {
     let layer_idx = editor.view.layer_idx;
-    change(editor, command, LayerChange::Weigh { layer_idx, weight: 1.0 });
-    Effect::None
+    and_tell(editor, command, LayerChange::Weigh { layer_idx, weight: 1.0 })
 }
 
 /// Lets the layer in use change places with the one above or below.
@@ -199,7 +202,9 @@ pub(super) fn clear_clip(editor: &mut Editor, command: &'static str, name: &'sta
     editor.set(command, name, toml::Value::Boolean(!is_cleared));
     editor.end_step();
     if editor.view.message.is_none() {
-        editor.say(Message::note(format!("{name} {}", on_off(!is_cleared))));
+        let data = if name == "clip.clear_position" { "position" } else { "rotation" };
+        let how = if is_cleared { "in use again" } else { "cleared" };
+        editor.say(Message::note(format!("the clip's own {data} data: {how} ({name})")));
     }
     Effect::None
 }

@@ -8,7 +8,7 @@ use toml::Value;
 
 use super::{Asking, Editor, Effect, Handle, Message, Prompt, maps};
 use crate::{
-    displace::{Layer, joint_name},
+    displace::{Layer, Selection, joint_name},
     document::{Change, KeyChange},
 };
 
@@ -111,9 +111,15 @@ fn change(editor: &mut Editor, command: &'static str, change: KeyChange) {
 
 /// Says how many of the selected maps have a key at the playhead.
 pub(super) fn tell(editor: &mut Editor) {
+    let selection = editor.map_selection();
+    tell_of(editor, &selection);
+}
+
+/// Says how many of these maps have a key at the playhead.
+pub(super) fn tell_of(editor: &mut Editor, maps: &Selection) {
     let Some(layer) = editor.layer() else { return };
     let frame = editor.file_frame();
-    let points = layer.map_points(&editor.map_selection());
+    let points = layer.map_points(maps);
     let here = points.iter().filter(|point| point.frame == frame).count();
     let keys = if here == 1 { "key" } else { "keys" };
     let text = format!("{}: {here} {keys} at file frame {frame}, {} in all", layer.name, points.len());
@@ -155,11 +161,22 @@ pub(super) fn interpolate(editor: &mut Editor, command: &'static str) -> Effect 
         Some(_) => editor.say(Message::note("no interpolation key: two at one frame are none".to_owned())),
         None => {
             editor.view.interpolated_from = Some(here);
+            editor.view.interpolated_behind = editor.document.depth().0;
             let text = format!("an interpolation key at file frame {here}; I at another frame sets the second");
             editor.say(Message::note(text));
         }
     }
     Effect::None
+}
+
+/// Takes the first of two interpolation keys back while nothing was done after it; returns what that was.
+pub(super) fn take_back(editor: &mut Editor) -> Option<String> {
+    let frame = editor.view.interpolated_from?;
+    if editor.document.depth().0 != editor.view.interpolated_behind {
+        return None;
+    }
+    editor.view.interpolated_from = None;
+    Some(format!("interpolation key at file frame {frame}"))
 }
 
 /// Tells whether there is an interpolation key.

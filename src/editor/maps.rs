@@ -89,16 +89,18 @@ impl Editor {
         }
     }
 
-    /// Returns the maps that key commands act on: those selected, or of the handle that keys act on when none is.
+    /// Returns the maps that key commands act on: those selected, or of the handle that keys act on when none is. The
+    /// carrier as a joint has both its maps: it is moved by the one and turned by the other.
     pub fn map_selection(&self) -> Selection {
-        let skeleton = &self.document.solved().clip.skeleton;
+        let clip = &self.document.solved().clip;
+        let (skeleton, carrier) = (&clip.skeleton, clip.facts.carrier.value);
         let joints = &self.view.joints;
         if !joints.selected.is_empty() {
             return joints.selection(skeleton);
         }
         match joints.active {
             Handle::Position => Selection { position: true, ..Selection::default() },
-            Handle::Joint(id) => Selection { position: false, joints: [joint_name(skeleton, id)].into() },
+            Handle::Joint(id) => Selection { position: id == carrier, joints: [joint_name(skeleton, id)].into() },
         }
     }
 }

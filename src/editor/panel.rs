@@ -1,6 +1,6 @@
 //! The panel: tabs of rows, read from the parameter table.
 
-use super::{Editor, Handle, ViewState, feet, joints, layers, loops, maps, views};
+use super::{Editor, Group, Handle, ViewState, feet, joints, layers, loops, maps, views};
 use crate::{
     document::{PARAMETERS, Parameter},
     measure::Pair,
@@ -73,6 +73,19 @@ impl Tab {
     /// Tells whether keys are about joints here, not about control points and plants.
     pub fn is_of_joints(self) -> bool {
         matches!(self, Self::Joints | Self::Layers | Self::Maps)
+    }
+
+    /// Returns the headings of the keys that it is about.
+    pub(super) fn groups(self) -> &'static [Group] {
+        match self {
+            Self::Feet => &[Group::Feet],
+            Self::Joints | Self::Maps => &[Group::Joints, Group::Points, Group::Layers],
+            Self::Layers => &[Group::Layers, Group::Joints, Group::Points],
+            Self::Show => &[Group::Show, Group::Views],
+            Self::Camera => &[Group::Camera, Group::Views],
+            // The rest is about what the table begins with.
+            _ => &[],
+        }
     }
 
     fn holds(self, parameter: &Parameter, view: &ViewState) -> bool {

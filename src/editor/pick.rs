@@ -117,7 +117,17 @@ impl Editor {
         self.view.jump(grab.frame_idx);
         let change = pose::wanted(self, grab.point, grab.hold.at, target);
         let change = Change::Pose { layer_idx: self.view.layer_idx, frame_idx: grab.frame_idx, change };
-        grab.made_step |= self.change_from(&grab.from, &change, grab.made_step);
+        let is_made = self.change_from(&grab.from, &change, grab.made_step);
+        grab.made_step |= is_made;
+        if is_made && self.view.message.is_none() {
+            let solved = self.document.solved();
+            let mut points = Vec::new();
+            solved.edited.world_points(grab.frame_idx, &mut points);
+            let name = joints::name(&solved.clip, handle);
+            let is_site = grab.point >= solved.clip.skeleton.n_joints();
+            let name = if is_site { format!("the end of {name}") } else { name };
+            pose::tell_short(self, &name, points[grab.point], target);
+        }
     }
 
     /// Returns what the pointer takes at a ray; none where no point of the body is near.

@@ -13,6 +13,7 @@ use super::{
     map_keys, prompt,
 };
 use crate::{
+    displace::joint_name,
     document::{Axes, Change, PoseChange, Solved, parameter},
     math::Rigid,
     skeleton::JointId,
@@ -130,11 +131,18 @@ fn move_to(editor: &mut Editor, command: &'static str, to: DVec3) {
     let from = place(&solved, frame_idx, handle);
     change(editor, command, wanted(editor, point, from, to));
     let made = editor.document.solved();
-    let off = place(made, frame_idx, handle).distance(to);
-    let (height, unit) = (made.clip.facts.height.value, made.clip.facts.unit_word());
-    let is_moved = !Arc::ptr_eq(made, &solved) && off > REACHED * height;
+    let is_moved = !Arc::ptr_eq(made, &solved);
     if is_moved && editor.view.message.as_ref().is_none_or(|m| m.severity == super::Severity::Note) {
         let name = joints::name(&made.clip, handle);
+        tell_short(editor, &name, place(editor.document.solved(), frame_idx, handle), to);
+    }
+}
+
+/// Says by how much what is at `at` is short of where it was wanted, if it is.
+pub(super) fn tell_short(editor: &mut Editor, name: &str, at: DVec3, wanted: DVec3) {
+    let facts = &editor.document.solved().clip.facts;
+    let (off, unit) = (at.distance(wanted), facts.unit_word());
+    if off > REACHED * facts.height.value {
         editor.say(Message::note(format!("{name} reaches no farther: {off:.2} {unit} short")));
     }
 }
@@ -153,9 +161,18 @@ pub(super) fn wanted(editor: &Editor, point: usize, from: DVec3, to: DVec3) -> P
 fn change(editor: &mut Editor, command: &'static str, change: PoseChange) {
     editor.view.playing = false;
     let (layer_idx, frame_idx) = (editor.view.layer_idx, editor.view.frame_idx);
+    // What is moved or turned need not be selected, but it is what the user waits to hear of.
+    let mut maps = editor.map_selection();
+    match &change {
+        PoseChange::MoveCarrier { .. } => maps.position = true,
+        &PoseChange::Turn { joint, .. } => {
+            maps.joints.insert(joint_name(&editor.document.solved().clip.skeleton, joint));
+        }
+        PoseChange::Reach { .. } => {}
+    }
     editor.change(command, &Change::Pose { layer_idx, frame_idx, change });
     if editor.view.message.is_none() {
-        map_keys::tell(editor);
+        map_keys::tell_of(editor, &maps);
     }
 }
 

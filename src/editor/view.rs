@@ -30,22 +30,24 @@ pub struct Message {
     pub severity: Severity,
     /// The line.
     pub text: String,
+    /// What comes after it in the terminal; pictures do without.
+    pub hint: &'static str,
 }
 
 impl Message {
     /// Makes a note.
     pub fn note(text: String) -> Self {
-        Self { severity: Severity::Note, text }
+        Self { severity: Severity::Note, text, hint: "" }
     }
 
     /// Makes a warning.
     pub fn warning(text: String) -> Self {
-        Self { severity: Severity::Warning, text }
+        Self { severity: Severity::Warning, text, hint: "" }
     }
 
     /// Makes an error.
     pub fn error(text: String) -> Self {
-        Self { severity: Severity::Error, text }
+        Self { severity: Severity::Error, text, hint: "" }
     }
 }
 
@@ -76,6 +78,8 @@ pub struct ViewState {
     pub layer_idx: usize,
     /// File frame of the first of two interpolation keys, until the second is set.
     pub interpolated_from: Option<usize>,
+    /// How many steps there were to undo when it was set.
+    pub(super) interpolated_behind: usize,
     /// The window that keys act on.
     pub(super) window: Window,
     /// The view of each window that keys act on.
@@ -105,6 +109,7 @@ impl ViewState {
             joints: Joints::new(&solved.clip),
             layer_idx: 0,
             interpolated_from: None,
+            interpolated_behind: 0,
             window: Window::First,
             focus: [0; 2],
             camera_idx: 0,

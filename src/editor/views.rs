@@ -106,9 +106,12 @@ pub(super) fn are_several(editor: &Editor) -> bool {
 
 /// Divides the window in use into views.
 pub(super) fn divide(editor: &mut Editor, command: &'static str, layout: i64) -> Effect {
-    let name = format!("{}.layout", editor.view.window.section());
+    let window = editor.view.window;
+    let name = format!("{}.layout", window.section());
     editor.set(command, &name, Value::Integer(layout));
-    editor.say(Message::note(format!("{name} {layout}")));
+    let whose = if window == Window::Second { "second window: " } else { "" };
+    let views = if layout == 1 { "view" } else { "views" };
+    editor.say(Message::note(format!("{whose}{layout} {views} ({name})")));
     Effect::None
 }
 
@@ -128,9 +131,14 @@ pub(super) fn use_camera(editor: &mut Editor, command: &'static str, camera_idx:
     Effect::None
 }
 
-/// Says that the camera of the view in focus was moved, which the plan does not show.
-pub(super) fn tell_moved(editor: &mut Editor) {
-    tell_camera(editor, "; the window (w) and the picture (b) show it");
+/// Says what was done to the camera of the view in focus, which the plan does not show.
+pub(super) fn tell_moved(editor: &mut Editor, done: &str) {
+    if editor.view.message.is_none() {
+        tell_camera(editor, done);
+        if let Some(message) = &mut editor.view.message {
+            message.hint = "; the window (w) and the picture (b) show it";
+        }
+    }
 }
 
 /// Says which camera the view in focus is seen from, unless there is something to tell already.
@@ -159,7 +167,8 @@ pub(super) fn toggle(editor: &mut Editor, command: &'static str, name: &str) -> 
         values.extend(all.filter(|other| *other != hide).map(|other| hiding(editor, &other, object, true)));
     }
     editor.change(command, &crate::document::Change::Set { values, shape: None });
-    editor.say(Message::note(format!("{view} {} {object}", if shows { "hides" } else { "shows" })));
+    let (seen, object) = (editor.view_in_focus(), object.replace('_', " "));
+    editor.say(Message::note(format!("{seen}{} {object} ({hide})", if shows { "hides" } else { "shows" })));
     Effect::None
 }
 

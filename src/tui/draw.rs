@@ -6,6 +6,7 @@
 //!                                │ rows of the tab, or charts
 //!                                │ help of the selected row
 //! timeline
+//! what planted feet do, where the row below has no room for it
 //! message, line being typed, or state
 //! keys to start with
 //! ```
@@ -67,12 +68,12 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(area: Rect) -> Self {
+    fn of(area: Rect, n_status_rows: u16) -> Self {
         let [title, body, timeline, status, keys] = Layout::vertical([
             Constraint::Length(1),
             Constraint::Fill(1),
             Constraint::Length(4),
-            Constraint::Length(1),
+            Constraint::Length(n_status_rows),
             Constraint::Length(1),
         ])
         .areas(area);
@@ -99,7 +100,7 @@ pub struct Drawn {
 
 /// Draws the editor.
 pub fn draw(frame: &mut Frame<'_>, editor: &Editor, scene: &Scene, around: &Surroundings<'_>) -> Drawn {
-    let parts = Parts::of(frame.area());
+    let parts = Parts::of(frame.area(), score::n_rows(editor, frame.area().as_size()));
     let buf = frame.buffer_mut();
     draw_title(buf, parts.title, editor, around);
     draw_view(buf, parts.view, editor, scene, around);
@@ -291,9 +292,16 @@ fn marks(editor: &Editor) -> Vec<TimelineMark> {
     keys.filter_map(key).chain(start).chain(again).collect()
 }
 
-/// Draws the line being typed, the message or the state; returns where the cursor stands while typing.
+/// Draws the line being typed, the message or the state; returns where the cursor stands while typing. The score's row
+/// above them stays.
 fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) -> Option<Position> {
     let view = editor.view();
+    let mut lines = score::lines(editor, usize::from(area.width), area.height);
+    let (left, right) = lines.pop().expect("there is a line");
+    if let Some((above, right)) = lines.first() {
+        StatusLine { left: above, right, style: palette.text() }.render(area, buf);
+    }
+    let area = Rect { y: area.y + lines.len() as u16, height: area.height.saturating_sub(lines.len() as u16), ..area };
     if let Some(prompt) = editor.prompt() {
         let title = prompt.title();
         let why = view.message.as_ref().map_or("", |m| m.text.as_str());
@@ -311,10 +319,10 @@ fn draw_status(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) 
                 Severity::Error => ("✗ ", palette.warning()),
             };
             // A message may need the whole line; the state can be read again with the next key.
-            StatusLine { left: &format!("{sign}{}", message.text), right: "", style }.render(area, buf);
+            let told = format!("{sign}{}{}", message.text, message.hint);
+            StatusLine { left: &told, right: "", style }.render(area, buf);
         }
         None => {
-            let (left, right) = score::fitting(editor, usize::from(area.width));
             StatusLine { left: &left, right: &right, style: palette.text() }.render(area, buf);
         }
     }

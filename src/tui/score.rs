@@ -1,7 +1,10 @@
 //! The live score: what the feet do while they stand, source → now, beside the editor's state.
 //!
-//! It is said as fully as the line has room for: with slips, per body height, in the clip's unit. `…` after it: the edits
+//! It says planted speed and slip, per body height and in the clip's unit: in one row where the screen is wide, in two
+//! where it is high enough. Where there is room for neither it says as much as there is room for. `…` after it: the edits
 //! have changed since and are being measured.
+
+use ratatui::layout::Size;
 
 use super::text;
 use crate::{
@@ -12,15 +15,42 @@ use crate::{
     motion::Side,
 };
 
-/// Returns the two ends of the status line: the score and the state, the fullest pair that fits.
-pub(super) fn fitting(editor: &Editor, width: usize) -> (String, String) {
+/// From this many columns on one row has room for all of the score. It does not depend on the numbers, so that no row
+/// comes and goes while they change.
+const WIDE: u16 = 180;
+
+/// From this many rows on a narrower screen has a second one for the score.
+const HIGH: u16 = 24;
+
+/// Returns how many rows of the screen the score and the state take.
+pub(super) fn n_rows(editor: &Editor, screen: Size) -> u16 {
+    let needs_two = screen.width < WIDE && has_feet(editor.document().solved());
+    if needs_two && screen.height >= HIGH { 2 } else { 1 }
+}
+
+/// Returns the two ends of each of so many status lines, the uppermost first: the score and the state, the fullest that
+/// fit.
+pub(super) fn lines(editor: &Editor, width: usize, n_rows: u16) -> Vec<(String, String)> {
     let solved = editor.document().solved();
-    let mut scores = scores(solved);
-    let is_of_feet = !solved.feet.plants.is_empty();
-    if !(if is_of_feet { solved.has_feet_measured() } else { solved.is_measured() }) {
-        scores.iter_mut().for_each(|score| score.push_str(" …"));
+    let mut scores = if n_rows > 1 { vec![speeds(solved), slips(solved)] } else { vec![scores(solved)] };
+    // Without feet the score is of the whole body.
+    if !(if has_feet(solved) { solved.has_feet_measured() } else { solved.is_measured() }) {
+        scores.iter_mut().flatten().for_each(|score| score.push_str(" …"));
     }
-    let states = [state(editor), playback(editor), sign(editor).to_owned()];
+    let lower = scores.pop().expect("there is a row");
+    let sign = sign(editor);
+    let mut states = vec![state(editor), playback(editor), sign.to_owned()];
+    if n_rows > 1 {
+        // Shorter rather than less of a score that is said in full.
+        states.push(sign.chars().take(1).collect());
+    }
+    let mut lines: Vec<_> = scores.iter().map(|upper| fitting(upper, &[String::new()], width)).collect();
+    lines.push(fitting(&lower, &states, width));
+    lines
+}
+
+/// Returns the first score with the first state that fits beside it; the last of both where nothing does.
+fn fitting(scores: &[String], states: &[String], width: usize) -> (String, String) {
     let pairs = scores.iter().flat_map(|score| states.iter().map(move |state| (score, state)));
     let fits = |(score, state): &(&String, &String)| text::width(score) + text::width(state) < width;
     let (score, state) = pairs.clone().find(fits).or_else(|| pairs.last()).expect("there is a score");
@@ -32,34 +62,53 @@ pub(super) fn side(foot: &FootPlants) -> &'static str {
     if foot.leg.side == Side::Left { "L" } else { "R" }
 }
 
-/// Returns the score, fullest first.
+fn has_feet(solved: &Solved) -> bool {
+    !all_feet(solved, |n| n.planted_speed, 1.0).is_empty()
+}
+
+/// Returns the score in one row, fullest first.
 fn scores(solved: &Solved) -> Vec<String> {
-    let facts = &solved.clip.facts;
-    let (height, unit) = (facts.height.value, facts.unit_word());
-    let speeds = |scale| all_feet(solved, |n| n.planted_speed, scale);
-    if speeds(1.0).is_empty() {
+    if !has_feet(solved) {
         let jerk = solved.measures.jerk_ratio.map_or_else(|| "–".to_owned(), |r| format!("{r:.3}"));
         return vec![format!("jerk ratio {jerk}")];
     }
-    let slips = |scale| all_feet(solved, |n| n.slip_p90, scale);
-    let missed = match solved.holding.as_ref().map_or(0, |holding| holding.missed.len()) {
+    let (height, unit) = (solved.clip.facts.height.value, solved.clip.facts.unit_word());
+    let missed = missed(solved);
+    let [speed, speed_in_unit] = [1.0, height].map(|scale| all_feet(solved, |n| n.planted_speed, scale));
+    let [slip, slip_in_unit] = [1.0, height].map(|scale| all_feet(solved, |n| n.slip_p90, scale));
+    vec![
+        format!("feet {speed} H/s, {speed_in_unit} {unit}/s · slip {slip} H, {slip_in_unit} {unit}{missed}"),
+        format!("feet {speed} H/s · slip {slip} H{missed}"),
+        format!("{speed} H/s · slip {slip} H{missed}"),
+        format!("feet {speed} H/s{missed}"),
+    ]
+}
+
+/// Returns the upper of two rows, fullest first.
+fn speeds(solved: &Solved) -> Vec<String> {
+    let (height, unit) = (solved.clip.facts.height.value, solved.clip.facts.unit_word());
+    let [speed, speed_in_unit] = [1.0, height].map(|scale| all_feet(solved, |n| n.planted_speed, scale));
+    vec![format!("planted  {speed} H/s, {speed_in_unit} {unit}/s"), format!("planted  {speed} H/s")]
+}
+
+/// Returns the lower of two rows, fullest first.
+fn slips(solved: &Solved) -> Vec<String> {
+    let (height, unit) = (solved.clip.facts.height.value, solved.clip.facts.unit_word());
+    let [slip, slip_in_unit] = [1.0, height].map(|scale| all_feet(solved, |n| n.slip_p90, scale));
+    let missed = missed(solved);
+    vec![
+        format!("slip p90 {slip} H, {slip_in_unit} {unit}{missed}"),
+        format!("slip {slip} H, {slip_in_unit} {unit}{missed}"),
+        format!("slip {slip} H{missed}"),
+    ]
+}
+
+/// Says how many plants were not reached, if any.
+fn missed(solved: &Solved) -> String {
+    match solved.holding.as_ref().map_or(0, |holding| holding.missed.len()) {
         0 => String::new(),
         n => format!(" · {n} missed"),
-    };
-    let short = format!("feet {} H/s{missed}", speeds(1.0));
-    let slip = format!("slip {} H{missed}", slips(1.0));
-    vec![
-        format!(
-            "feet {} H/s, {} {unit}/s · slip {} H, {} {unit}{missed}",
-            speeds(1.0),
-            speeds(height),
-            slips(1.0),
-            slips(height)
-        ),
-        format!("feet {} H/s · {slip}", speeds(1.0)),
-        format!("{} H/s · {slip}", speeds(1.0)),
-        short,
-    ]
+    }
 }
 
 /// Returns a number of each foot that has it, source → edited, times a scale.

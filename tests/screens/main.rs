@@ -131,18 +131,37 @@ fn everything_stands_in_its_place() {
         start[0]
     );
     assert!(start[1].contains(" [path] original  timing  feet ") && start[1].ends_with("›"), "{}", start[1]);
-    assert_eq!(start[18], "frame 0 of 569   0.00 s of 9.48 s");
-    assert_eq!(start[19], format!("  ┃{}", "─".repeat(77)));
-    assert!(start[20].starts_with("L ▄") && start[21].starts_with("R ▄"), "{} {}", start[20], start[21]);
-    assert!(start[22].starts_with("L 0.") && start[22].contains(" H/s · slip L 0."), "{}", start[22]);
-    assert!(start[22].ends_with(" H    ‖ paused"), "{}", start[22]);
-    let wide = screen("", (120, 40));
-    assert!(wide[38].starts_with("feet L 0."), "{}", wide[38]);
-    assert!(wide[38].ends_with("  point 1  camera 1  frame 0/569  ‖ paused"), "{}", wide[38]);
-    let wider = screen("", (180, 40));
-    assert!(wider[38].contains(" cm/s · slip L 0."), "{}", wider[38]);
+    assert_eq!(start[17], "frame 0 of 569   0.00 s of 9.48 s");
+    assert_eq!(start[18], format!("  ┃{}", "─".repeat(77)));
+    assert!(start[19].starts_with("L ▄") && start[20].starts_with("R ▄"), "{} {}", start[19], start[20]);
     assert!(start[23].starts_with("? keys  space play  tab panel "), "{}", start[23]);
     assert!(screen("x", (80, 24))[0].starts_with("walkabout · built-in walk · unsaved "));
+}
+
+#[test]
+fn the_score_is_said_in_full_at_every_width() {
+    let lower = |screen: &[String], n_rows: usize| screen[screen.len() - 1 - n_rows..screen.len() - 1].to_vec();
+    for width in [80, 100, 120, 179] {
+        let rows = lower(&screen("", (width, 24)), 2);
+        assert!(rows[0].starts_with("planted  L 0.") && rows[0].contains(" H/s, L "), "{rows:?}");
+        assert!(rows[0].contains("→") && rows[0].contains(" R ") && rows[0].ends_with(" cm/s"), "{rows:?}");
+        assert!(rows[1].starts_with("slip p90 L 0.") && rows[1].contains(" H, L "), "{rows:?}");
+        assert!(rows[1].contains(" cm   ") && rows[1].ends_with("‖ paused"), "{rows:?}");
+    }
+    assert!(lower(&screen("", (120, 40)), 1)[0].ends_with("  point 1  camera 1  frame 0/569  ‖ paused"));
+    let wide = lower(&screen("", (180, 40)), 2);
+    assert!(wide[0].starts_with("R ▄") && wide[1].starts_with("feet L 0."), "one row has room for all: {wide:?}");
+    assert!(wide[1].contains(" cm/s · slip L 0.") && wide[1].contains(" cm   "), "{wide:?}");
+    let low = lower(&screen("", (80, 23)), 2);
+    assert!(low[0].starts_with("R ▄"), "the picture needs the row: {low:?}");
+    assert!(low[1].starts_with("L 0.") && low[1].contains(" H/s · slip L 0."), "{low:?}");
+    assert!(low[1].ends_with(" H    ‖ paused"), "{low:?}");
+    let told = lower(&screen("f", (80, 24)), 2);
+    assert!(told[0].starts_with("planted  L 0.") && told[1].contains("follow"), "a message takes one row: {told:?}");
+    // A foot that is to stand for ever: it is missed, and that is said too.
+    let missed = lower(&screen(":plant=[{foot=\"left\",first=0,last=300,mode=\"clean\"}]<enter><esc>", (80, 24)), 2);
+    assert!(missed[0].ends_with(" cm/s") && missed[1].contains(" cm · "), "{missed:?}");
+    assert!(missed[1].contains(" missed  "), "{missed:?}");
 }
 
 #[test]
@@ -175,7 +194,7 @@ fn each_state_says_what_it_is() {
         ("l6l6", "█◆█"),
         ("lmc", "c███◆███"),
         ("lms", "~~◆~~"),
-        ("g", "Select all from it to the root, or not."),
+        ("g", "Select its chain to the root, or not."),
         ("gcgcgr", "Chest, selected; 3 selected"),
         ("<tab><tab><tab><tab>gtiD250<enter>0", "─◆─"),
         ("<tab><tab><tab><tab>gtiD250<enter>0", "*◆ 2 keys"),
@@ -194,7 +213,22 @@ fn a_line_being_typed_has_the_cursor_and_the_picture_is_wanted_in_the_size_of_it
     let (buf, cursor, found) = drawn(&after(":ab"), &AROUND, (120, 40));
     assert_eq!(lines(&buf)[38], "set NAME=VALUE: ab");
     assert_eq!(cursor, Position::new(18, 38));
-    assert_eq!(found, Drawn { picture_size: (72, 66), help_end: 0 });
+    assert_eq!(found, Drawn { picture_size: (72, 64), help_end: 0 });
+}
+
+#[test]
+fn the_joints_tab_says_how_to_move_a_joint() {
+    let joints = "<tab><tab><tab><tab>";
+    for (keys, words) in [("", "XYZ move it along"), ("eGG", "XYZ turn it about its parent's")] {
+        // A narrow panel leaves the rest to the line below.
+        for (size, panel, end) in [((80, 24), 45, "; e turn"), ((120, 40), 73, "{ } step, c type.")] {
+            let screen = screen(&format!("{joints}{keys}"), size);
+            let lines: Vec<String> = screen.iter().map(|line| line.chars().skip(panel).collect()).collect();
+            let text = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+            assert!(text.contains("gr selects its chain, gt it; xyz"), "{text}");
+            assert!(text.contains(words) && text.contains(end), "{text}");
+        }
+    }
 }
 
 #[test]
