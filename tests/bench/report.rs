@@ -10,6 +10,7 @@ use std::{
     sync::Arc,
 };
 
+use glam::DVec3;
 use plotters::prelude::*;
 use walkabout::{
     bvh::Bvh,
@@ -94,6 +95,17 @@ impl Bent {
     }
 }
 
+impl Bent {
+    /// Returns how far the carrier is at most from where plain path editing has it, the original path's own rise and fall
+    /// given back, body heights.
+    fn offset(&self) -> f64 {
+        let (held, plain, original) = (&self.held, &self.plain, self.held.original.frames());
+        let rise = |f: usize| (original[f].point.y - original[0].point.y) * DVec3::Y;
+        let offset = |f: usize| held.carrier(f).translation.distance(plain.carrier(f).translation + rise(f));
+        (0..held.edited.n_frames()).map(offset).fold(0.0, f64::max) / held.clip.facts.height.value
+    }
+}
+
 fn straight(source: &Arc<Source>, degree: u32) -> Solved {
     let mut edits = Edits::default();
     edits.original.degree = Degree::Fixed(degree);
@@ -121,10 +133,10 @@ fn ratio(solved: &Solved, number: impl Fn(&walkabout::measure::FootNumbers) -> O
 /// Makes the table, one row per clip and shape at degree 13, and the summary over all edits.
 fn table(sources: &[Arc<Source>]) -> (String, String) {
     let mut table = String::from(
-        "| clip | shape | speed H/s: source | plain | held | clean | slip p90 H: source | plain | held | clean | jerk ratio: plain | held | clean | missed |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        "| clip | shape | speed H/s: source | plain | held | clean | slip p90 H: source | plain | held | clean | jerk ratio: plain | held | clean | offset H | missed |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );
-    let mut ratios: [Vec<f64>; 7] = Default::default();
+    let mut ratios: [Vec<f64>; 8] = Default::default();
     let mut n_missed = 0;
     let mut n_edits = 0;
     for source in sources {
@@ -142,6 +154,7 @@ fn table(sources: &[Arc<Source>]) -> (String, String) {
                     list.extend(ratio(solved, |n| n.slip_p90));
                 }
                 ratios[6].extend(bent.held.measures.jerk_ratio);
+                ratios[7].push(bent.offset());
                 if degree == DEGREES[1] {
                     row(&mut table, kind, &bent);
                 }
@@ -157,6 +170,7 @@ fn table(sources: &[Arc<Source>]) -> (String, String) {
         "slip p90, held",
         "slip p90, clean",
         "jerk, held",
+        "carrier's offset, held, body heights",
     ];
     let mut summary = String::from("| over the source's | median | 95 % | largest |\n| --- | --- | --- | --- |\n");
     for (name, list) in names.iter().zip(&mut ratios) {
@@ -190,7 +204,8 @@ fn row(table: &mut String, kind: ShapeKind, bent: &Bent) {
     for solved in all {
         write!(table, "| {} ", number(solved.measures.jerk_ratio, 3)).expect("into a String");
     }
-    writeln!(table, "| {} |", bent.held.holding.as_ref().map_or(0, |h| h.missed.len())).expect("into a String");
+    writeln!(table, "| {:.3} | {} |", bent.offset(), bent.held.holding.as_ref().map_or(0, |h| h.missed.len()))
+        .expect("into a String");
 }
 
 /// Draws slip against the radius of circles, plain and held.
@@ -246,7 +261,8 @@ fn page(table: &str, summary: &str) -> String {
         "# How well feet are held\n\n\
          Written by `cargo xtask report`, not by hand. *Plain* is path editing as the thesis has it (`plants.hold = false`), *held* is the\n\
          default, *clean* has `plants.clean = true`. Shapes are made so large that no bend is tighter than half a body height; the\n\
-         clip ends where the path does. Numbers are those of `walkabout measure`, of the worse foot.\n\n\
+         clip ends where the path does. Numbers are those of `walkabout measure`, of the worse foot. *Offset* is how far the carrier is at\n\
+         most from where plain path editing has it, the original path's own rise and fall given back.\n\n\
          ## Over all edits, original degrees 5 and 13\n\n{summary}\n\
          ![slip against the radius of a circle](feet.svg)\n\n\
          ## Clip by clip, original degree 13\n\n{table}"
