@@ -82,7 +82,8 @@ impl Probe {
                     break;
                 }
             }
-            let can_learn_all = n_left > 3 * self.n_joints;
+            // And take a step before it and one after.
+            let can_learn_all = n_left > 3 * self.n_joints + 1;
             n_left = n_left.saturating_sub(1);
             let missing = best.at.distance(target);
             let step = self.step(target - best.at, radius);
