@@ -346,12 +346,12 @@ fn an_ankle_that_cannot_get_there_is_stretched_as_far_as_it_is_held_and_rests() 
             let mut foot = Puppet::new(frame, "LeftAnkle");
             // Holding moves the carrier and keeps knees from full extension.
             let off = foot.reach(to);
-            assert!(off < 0.12, "frame {frame}, {to}: {off} body heights off");
             let before = foot.ends()[1];
             foot.reach(to);
             let gain = (before.distance(to) - foot.ends()[1].distance(to)) / foot.height();
             println!("frame {frame}, {to}: {off:e} body heights off, {gain:e} nearer when asked again");
-            assert!(gain.abs() < 1e-3, "frame {frame}, {to}: {gain} body heights nearer");
+            assert!(off < 0.08, "frame {frame}, {to}: {off} body heights off");
+            assert!((0.0..1e-2).contains(&gain), "frame {frame}, {to}: {gain} body heights nearer");
         }
     }
 }
@@ -403,21 +403,79 @@ fn a_carrier_gets_where_it_is_wanted_while_its_feet_are_held() {
     }
 }
 
+/// At a leg's full length holding moves the carrier, and the foot with it, back by what turns take it on: the third target
+/// was once 2e-2 body heights off.
 #[test]
-fn a_captured_foot_comes_nearer_with_the_whole_chain_and_never_goes_away() {
+fn a_captured_foot_goes_from_target_to_target_with_the_whole_chain_and_never_away() {
     let Some(file) = captured("cmu_08_01_brisk_walk") else { return };
     let mut document = Document::new(open(Some(&file)).expect("a clip"));
     set(&mut document, &[], Some("eight"));
     let mut foot = Puppet::of(document, 120, "LeftFoot");
-    // The last two lie where holding lets the foot go no farther with the hips as the first two turned them.
-    let ways = [[-0.041, -0.016, 0.011], [0.042, -0.016, 0.042], [0.005, -0.019, -0.018], [0.0, -0.1, 0.0]];
+    let ways = [[-0.041, -0.016, 0.011], [0.042, -0.016, 0.042], [0.005, -0.019, -0.018], [0.0; 3], [0.0, -0.1, 0.0]];
     for (n, way) in ways.into_iter().enumerate() {
         let was = foot.ends()[1];
         let to = was + DVec3::from_array(way) * foot.height();
         foot.reach(to);
-        let (before, off) = [was, foot.ends()[1]].map(|at| at.distance(to) / foot.height()).into();
+        let [before, off] = [was, foot.ends()[1]].map(|at| at.distance(to) / foot.height());
         println!("{way:?}: {off:e} body heights off, {before:e} before");
-        assert!(off <= before + 1e-4 && (n > 1 || off < 1e-4), "{way:?}: {off} body heights off, {before} before");
+        // The last one lies where nothing takes the foot.
+        assert!(off <= before + 1e-4 && (n == 4 || off < 1e-4), "{way:?}: {off} body heights off, {before} before");
+    }
+}
+
+/// Now and then what holding does jumps between one turn and the next: a target in between is not quite reached.
+#[test]
+fn captured_feet_go_from_target_to_target_with_the_whole_chain_in_every_cycle() {
+    let Some(file) = captured("walk01") else { return };
+    let mut document = Document::new(open(Some(&file)).expect("a clip"));
+    set(&mut document, &["timing.cycling=blended"], Some("eight:3"));
+    let n_frames = document.solved().edited.n_frames();
+    let mut noise = noise(7);
+    let mut n_missed = 0;
+    for point in ["LeftFoot", "RightFoot"] {
+        for eighth in [1, 3, 5, 7] {
+            let frame = n_frames * eighth / 8;
+            let mut foot = Puppet::of(document.clone(), frame, point);
+            for n in 0..4 {
+                let by = DVec3::new(0.04 * noise(), 0.03 * noise(), 0.04 * noise());
+                let to = foot.ends()[1] + by * foot.height();
+                foot.reach(to);
+                let off = foot.ends()[1].distance(to) / foot.height();
+                println!("{point}, frame {frame}, target {n}: {off:e} body heights off");
+                assert!(off < 2e-3, "{point}, frame {frame}, target {n}: {off} body heights off");
+                n_missed += usize::from(off > 1e-4);
+            }
+        }
+    }
+    assert!(n_missed <= 1, "{n_missed} of 32 missed");
+}
+
+/// Turning the hips has holding move the carrier: by that the head gets where the straight body alone does not.
+#[test]
+fn a_captured_head_just_out_of_reach_gets_there_with_the_hips_and_feet_held() {
+    let Some(file) = captured("figure8_walk") else { return };
+    let mut document = Document::new(open(Some(&file)).expect("a clip"));
+    set(&mut document, &[], Some("circle"));
+    let mut head = Puppet::of(document, 300, "Head");
+    let to = head.ends()[1] + DVec3::new(0.02, 0.0, 0.03) * head.height();
+    for again in 0..3 {
+        head.reach(to);
+        let off = head.ends()[1].distance(to) / head.height();
+        println!("try {again}: {off:e} body heights off");
+        assert!(off < 1e-4, "try {again}: {off} body heights off");
+    }
+}
+
+#[test]
+fn an_ankle_of_a_stretched_leg_goes_down_with_the_whole_chain() {
+    let mut foot = Puppet::new(140, "LeftAnkle");
+    for (frame, by) in [(140, DVec3::new(0.04, -0.003, 0.017)), (180, DVec3::NEG_Y * 0.02)] {
+        foot.frame = frame;
+        let to = foot.ends()[1] + by * foot.height();
+        foot.reach(to);
+        let off = foot.ends()[1].distance(to) / foot.height();
+        println!("frame {frame}: {off:e} body heights off");
+        assert!(off < 1e-4, "frame {frame}: {off} body heights off");
     }
 }
 

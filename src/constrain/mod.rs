@@ -26,4 +26,5 @@ mod prepared;
 mod slide;
 
 pub use hold::{Footprint, Ground, Held, Job, Missed, hold};
+pub use offset::knot_frames;
 pub use prepared::Prepared;

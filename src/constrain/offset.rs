@@ -278,6 +278,18 @@ fn runs(values: &[bool]) -> Vec<Range<usize>> {
     runs
 }
 
+/// Returns the number of frames from one that is looked at to the next.
+fn stride(frame_time_secs: f64) -> usize {
+    (SAMPLE_SECS / frame_time_secs).floor().max(1.0) as usize
+}
+
+/// Returns the number of frames from knot to knot of the carrier's offset, the first knot being at the first frame: what
+/// is cut out of a clip from a knot on is held more nearly as the clip is.
+pub fn knot_frames(frame_time_secs: f64) -> usize {
+    let stride = stride(frame_time_secs);
+    stride * (KNOT_SECS / (stride as f64 * frame_time_secs)).round().max(1.0) as usize
+}
+
 /// A cubic B-spline with a knot every few frames.
 struct Spline {
     n_frames: usize,
@@ -296,8 +308,7 @@ const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
 
 impl Spline {
     fn new(n_frames: usize, frame_time_secs: f64) -> Self {
-        let stride = (SAMPLE_SECS / frame_time_secs).floor().max(1.0) as usize;
-        let interval = stride * (KNOT_SECS / (stride as f64 * frame_time_secs)).round().max(1.0) as usize;
+        let (stride, interval) = (stride(frame_time_secs), knot_frames(frame_time_secs));
         let basis = (0..interval).map(|phase| basis(phase as f64 / interval as f64)).collect();
         Self { n_frames, frame_time_secs, stride, interval, n_points: (n_frames - 1) / interval + 4, basis }
     }

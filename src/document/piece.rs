@@ -12,7 +12,7 @@ use super::{
     posed::{carried_over, legs_posed},
 };
 use crate::{
-    constrain::{Job, hold},
+    constrain::{Job, hold, knot_frames},
     contact::{FootPlants, Plant},
     displace::{Displaced, Stack},
     math::Rigid,
@@ -70,6 +70,8 @@ impl<'a> Piece<'a> {
                 of_walk = of_walk.start.min(plant.first)..of_walk.end.max(plant.last + 1).min(n_frames);
             }
         }
+        // The carrier's offset is a spline with its knots where the clip's has them.
+        of_walk.start -= of_walk.start % knot_frames(walked.clip.frame_time_secs);
         let cut = EditedClip {
             source_frames: of_walk.clone().map(|frame| frame as u32).collect(),
             ..EditedClip::unedited(Arc::clone(&walked.clip))

@@ -1,0 +1,328 @@
+//! Moving a point of a pose while feet are held: which turns of the chain bring it there.
+//!
+//! Joints are moved in the pose that is seen. Where legs that are held hang on them, holding has the last word, and what
+//! it does is corrected after a look at it. What a held leg's own joints do is seen only after its foot has been held, so
+//! a leg is moved where holding takes it from, on the original path, towards the place that holding takes to the target.
+//! That is no way where holding answers: near a leg's full length it moves the carrier, and with it the foot, back by as
+//! much as a turn took it on. Then what each turn does is found out one by one ([`Probe`]).
+//!
+//! All of it is tried on a [`Piece`] of the clip, and the whole clip follows it once. What the piece was off by is known
+//! from the pose that is seen already, so the whole clip seldom has to be asked again.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+
+use super::{
+    Edits, LayerRefusal, Solved,
+    piece::{Piece, Seen},
+    posing::{CORRECTIONS, DRAFTS, THERE, THERE_ON_PIECE, key_turns, pose},
+    probe::{Probe, Tried},
+    solve::draft,
+};
+use crate::{
+    displace::ik::{self, JointTurn, Reach},
+    math::Rigid,
+    motion::Leg,
+    skeleton::JointId,
+};
+
+/// A correction that leaves more than this share of what was missing does not take the point on.
+const TAKES_ON: f64 = 0.5;
+/// Tries of a search on a piece, at most.
+const SEARCH_TRIES: usize = 120;
+/// A search that ends nearer than this share of the body height on a piece may do better on the clip.
+const NEARLY_THERE: f64 = 5e-3;
+/// Frames that are solved to correct on the whole clip what a piece found, about: a long clip is not tried as often.
+const FRAMES_TRIED: usize = 40_000;
+/// Holding moves the carrier by so much at most, about, body heights; by that it may help a point to its target.
+const HOLDING_HELPS: f64 = 0.03;
+/// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
+const BODY_CORRECTIONS: usize = 8;
+
+/// A point that is to go somewhere at a frame.
+pub(super) struct Wish<'a> {
+    pub(super) solved: &'a Solved,
+    pub(super) layer_idx: usize,
+    pub(super) frame_idx: usize,
+    pub(super) point: usize,
+    /// The joints that turn, top first.
+    pub(super) chain: Vec<JointId>,
+}
+
+/// What holding feet has to do with the joints that turn.
+pub(super) enum Holding {
+    /// Nothing.
+    None,
+    /// Legs that are held hang on some of them, and the point on none of those legs.
+    Beside,
+    /// The point hangs on a leg that is held.
+    OfPoint,
+}
+
+/// Edits tried on a piece.
+type OnPiece = Tried<(Edits, Seen)>;
+
+impl Wish<'_> {
+    pub(super) fn holding(&self) -> Holding {
+        let skeleton = &self.solved.clip.skeleton;
+        // A joint does not move itself.
+        let borne_by = match self.point.checked_sub(skeleton.n_joints()) {
+            None => skeleton.joints()[self.point].parent,
+            Some(site) => Some(skeleton.end_sites()[site]),
+        };
+        let is_of = |leg: Leg| borne_by.is_some_and(|joint| skeleton.is_within(joint, leg.hip));
+        if self.chain.iter().all(|&joint| self.is_free(joint)) {
+            Holding::None
+        } else if self.solved.posed.prepared.legs().any(is_of) {
+            Holding::OfPoint
+        } else {
+            Holding::Beside
+        }
+    }
+
+    /// Tells whether no leg that is held hangs on a joint.
+    fn is_free(&self, joint: JointId) -> bool {
+        self.solved.holding.is_none() || self.solved.posed.is_free(joint)
+    }
+
+    /// Returns how joints turn so that the point of a pose gets to a target.
+    pub(super) fn turns(&self, chain: &[JointId], world: &[Rigid], target: DVec3) -> Vec<JointTurn> {
+        let clip = &*self.solved.clip;
+        let point = ik::point_position(&clip.skeleton, world, self.point);
+        let hinge = ik::usual_hinge(clip, chain, self.point);
+        Reach { world, chain, point, target, hinge }.turns()
+    }
+
+    /// Returns where the point of a pose gets to when joints turn.
+    fn after(&self, world: &[Rigid], turns: &[JointTurn]) -> DVec3 {
+        self.at(&ik::turned_world(&self.solved.clip.skeleton, world, turns))
+    }
+
+    /// Returns where the point is in a pose.
+    fn at(&self, world: &[Rigid]) -> DVec3 {
+        ik::point_position(&self.solved.clip.skeleton, world, self.point)
+    }
+
+    /// Keys turns of joints at the frame.
+    fn key(&self, edits: &mut Edits, turns: &[JointTurn]) -> Result<(), LayerRefusal> {
+        key_turns(self.solved, edits, self.layer_idx, self.frame_idx, turns)
+    }
+
+    /// Moves the point by joints of which some bear legs that are held; returns what follows.
+    ///
+    /// What the piece finds is good for the clip but for a little, which is left to the joints that bear no leg: they
+    /// move no foot, so it is exact. Only what they cannot do is done by all once more.
+    pub(super) fn reach_beside(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
+        let near = THERE * self.height();
+        let piece = Piece::around(self.solved, self.frame_idx);
+        let mut probe = Probe::new(self.chain.len(), self.height());
+        let mut on_piece = self.on_piece(&piece, edits.clone());
+        let mut made = None::<Solved>;
+        for _ in 0..DRAFTS {
+            let now = made.as_ref().unwrap_or(self.solved);
+            let off = on_piece.at - self.at(&pose(now, self.frame_idx));
+            on_piece = self.body_on_piece(&piece, on_piece, to + off, &mut probe)?;
+            if probe.knows() {
+                let expected = on_piece.at.distance(to + off);
+                made = Some(self.followed(&piece, on_piece, expected, to, probe));
+                break;
+            }
+            let drafted = draft(&Arc::new(on_piece.pose.0.clone()), now);
+            let world = pose(&drafted, self.frame_idx);
+            let nearest = self.after(&world, &self.turns(&self.chain, &world, to));
+            let free = self.turns(&self.free(), &world, to);
+            let is_there = self.at(&world).distance(nearest) < near;
+            if !is_there && self.after(&world, &free).distance(nearest) < near {
+                self.key(&mut on_piece.pose.0, &free)?;
+                made = Some(draft(&Arc::new(on_piece.pose.0), &drafted));
+                break;
+            }
+            made = Some(drafted);
+            if is_there {
+                break;
+            }
+        }
+        let made = made.expect("a draft is made at least once");
+        edits.clone_from(&made.edits);
+        Ok(made)
+    }
+
+    /// Moves the point of a piece by all joints of the chain.
+    ///
+    /// All joints turn in the pose that is seen. Holding the feet then takes the carrier a little elsewhere, which is
+    /// corrected. A target that is out of reach by no more than holding may move the carrier is searched for.
+    fn body_on_piece(
+        &self,
+        piece: &Piece,
+        begin: OnPiece,
+        to: DVec3,
+        probe: &mut Probe,
+    ) -> Result<OnPiece, LayerRefusal> {
+        let near = THERE_ON_PIECE * self.height();
+        let mut now = begin;
+        // Out of reach, a try may be further off than one before it.
+        let mut best = None::<OnPiece>;
+        for _ in 0..BODY_CORRECTIONS {
+            let turns = self.turns(&self.chain, &now.pose.1.held, to);
+            if now.at.distance(self.after(&now.pose.1.held, &turns)) < near {
+                break;
+            }
+            now = self.turned_on_piece(piece, &now.pose, &turns)?;
+            if best.as_ref().is_none_or(|best| now.at.distance(to) < best.at.distance(to)) {
+                best = Some(now.clone());
+            }
+        }
+        let best = best.filter(|best| best.at.distance(to) < now.at.distance(to)).unwrap_or(now);
+        let missing = best.at.distance(to) / self.height();
+        if (THERE_ON_PIECE..HOLDING_HELPS).contains(&missing) {
+            return Ok(self.searched(piece, best, to, probe));
+        }
+        Ok(best)
+    }
+
+    /// Returns the joints of the chain that bear no leg that is held.
+    fn free(&self) -> Vec<JointId> {
+        self.chain.iter().copied().filter(|&joint| self.is_free(joint)).collect()
+    }
+
+    fn height(&self) -> f64 {
+        self.solved.clip.facts.height.value
+    }
+
+    /// Moves the point of a leg that is held; returns what follows.
+    pub(super) fn reach_held(&self, edits: &mut Edits, target: DVec3) -> Result<Solved, LayerRefusal> {
+        let now = pose(self.solved, self.frame_idx);
+        let to = self.within_reach(&now, target);
+        let piece = Piece::around(self.solved, self.frame_idx);
+        let mut probe = Probe::new(self.chain.len(), self.height());
+        let begin = self.on_piece(&piece, edits.clone());
+        let aim = to + (begin.at - self.at(&now));
+        let found = self.foot_on_piece(&piece, begin, aim, &mut probe)?;
+        let expected = found.at.distance(aim);
+        let mut made = self.followed(&piece, found, expected, to, probe);
+        let missing = |world: &[Rigid]| self.at(world).distance(target);
+        if missing(&pose(&made, self.frame_idx)) > missing(&now) {
+            made = draft(&Arc::new(edits.clone()), &made);
+        }
+        edits.clone_from(&made.edits);
+        Ok(made)
+    }
+
+    /// Returns the place nearest to a target that the chain reaches, as far as holding may help it.
+    fn within_reach(&self, world: &[Rigid], target: DVec3) -> DVec3 {
+        let joints = self.chain.iter().map(|joint| world[joint.idx()].translation);
+        let places: Vec<DVec3> = joints.chain([self.at(world)]).collect();
+        let length: f64 = places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        places[0] + (target - places[0]).clamp_length_max(length + HOLDING_HELPS * self.height())
+    }
+
+    /// Has the whole clip follow what was found on a piece; what it is off by more than the piece was is corrected.
+    ///
+    /// `expected` is how far the piece was off its target.
+    fn followed(&self, piece: &Piece, found: OnPiece, expected: f64, to: DVec3, mut probe: Probe) -> Solved {
+        let near = THERE * self.height();
+        let in_clip = |edits: &Edits, now: &Solved| {
+            let made = draft(&Arc::new(edits.clone()), now);
+            Tried { at: self.at(&pose(&made, self.frame_idx)), pose: made }
+        };
+        let made = in_clip(&found.pose.0, self.solved);
+        let nearly_there = expected < NEARLY_THERE * self.height();
+        let enough = if nearly_there { near } else { near + expected };
+        if made.at.distance(to) < enough {
+            return made.pose;
+        }
+        probe.look_around(&found, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
+        let most_tries = match nearly_there {
+            true => (FRAMES_TRIED / self.solved.edited.n_frames()).clamp(DRAFTS, SEARCH_TRIES),
+            false => DRAFTS,
+        };
+        let corrected = probe.nearest(made, to, near, most_tries, |now, turns| {
+            let mut edits = (*now.edits).clone();
+            self.key(&mut edits, &self.joint_turns(turns)).ok()?;
+            Some(in_clip(&edits, now))
+        });
+        corrected.pose
+    }
+
+    /// Moves the point of a leg that is held on a piece.
+    ///
+    /// What is missing after a try is tried again from there, as long as that takes the point on. It does not where
+    /// holding answers a turn by moving the carrier as far the other way; then what turns do is found out by trying.
+    fn foot_on_piece(
+        &self,
+        piece: &Piece,
+        begin: OnPiece,
+        to: DVec3,
+        probe: &mut Probe,
+    ) -> Result<OnPiece, LayerRefusal> {
+        let skeleton = &self.solved.clip.skeleton;
+        // Holding moves a foot as one rigid body.
+        let end = match self.point.checked_sub(skeleton.n_joints()) {
+            None => self.point,
+            Some(site) => skeleton.end_sites()[site].idx(),
+        };
+        let mut best = begin;
+        for _ in 0..CORRECTIONS {
+            let seen = &best.pose.1;
+            let back = seen.before_holding[end] * seen.held[end].inverse();
+            let turns = self.turns(&self.chain, &seen.before_holding, back.point(to));
+            let tried = self.turned_on_piece(piece, &best.pose, &turns)?;
+            let (was, is) = (best.at.distance(to), tried.at.distance(to));
+            if is < was {
+                best = tried;
+            }
+            if is < THERE_ON_PIECE * self.height() {
+                return Ok(best);
+            }
+            if is > TAKES_ON * was {
+                break;
+            }
+        }
+        Ok(self.searched(piece, best, to, probe))
+    }
+
+    /// Searches a piece for turns of the chain that bring the point to a target, or as near as can be.
+    ///
+    /// What holding does may jump between one turn and the next, and keep the search on the wrong side; one that ends
+    /// just short is made again in shorter steps.
+    fn searched(&self, piece: &Piece, begin: OnPiece, to: DVec3, probe: &mut Probe) -> OnPiece {
+        let search = |probe: &mut Probe, begin: OnPiece| {
+            probe.nearest(begin, to, THERE_ON_PIECE * self.height(), SEARCH_TRIES, |now, turns| {
+                self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok()
+            })
+        };
+        let found = search(probe, begin.clone());
+        let missing = found.at.distance(to);
+        if !(THERE_ON_PIECE..NEARLY_THERE).contains(&(missing / self.height())) {
+            return found;
+        }
+        let mut careful = probe.careful();
+        let again = search(&mut careful, begin);
+        if again.at.distance(to) < missing {
+            *probe = careful;
+            return again;
+        }
+        found
+    }
+
+    fn joint_turns(&self, turns: &[DQuat]) -> Vec<JointTurn> {
+        self.chain.iter().zip(turns).map(|(&joint, &turn)| JointTurn { joint, turn }).collect()
+    }
+
+    fn turned_on_piece(
+        &self,
+        piece: &Piece,
+        (edits, _): &(Edits, Seen),
+        turns: &[JointTurn],
+    ) -> Result<OnPiece, LayerRefusal> {
+        let mut edits = edits.clone();
+        self.key(&mut edits, turns)?;
+        Ok(self.on_piece(piece, edits))
+    }
+
+    fn on_piece(&self, piece: &Piece, edits: Edits) -> OnPiece {
+        let seen = piece.with(&edits);
+        Tried { at: self.at(&seen.held), pose: (edits, seen) }
+    }
+}
