@@ -3,7 +3,7 @@
 use walkabout::{
     contact::{PlantEditMode, PlantMode},
     document::{self, Change, Document},
-    editor::{Editor, TABS},
+    editor::{Editor, Row, TABS, Tab},
 };
 
 fn editor() -> Editor {
@@ -21,7 +21,7 @@ fn plants(editor: &Editor) -> (usize, Plants) {
     (plant_idx, plants.iter().map(|p| (p.first, p.last, p.mode)).collect())
 }
 
-fn selected_row(editor: &Editor) -> walkabout::editor::Row {
+fn selected_row(editor: &Editor) -> Row {
     editor.rows().into_iter().find(|r| r.selected).expect("a selected row")
 }
 
@@ -59,6 +59,40 @@ fn plants_are_walked_and_the_playhead_follows() {
     e.keys("FF");
     assert_eq!(plants(&e).1, right);
     assert_eq!(e.document().depth(), (0, 0), "looking is no edit");
+}
+
+/// Frames at which `key` stops when pressed this often.
+fn stops(e: &mut Editor, key: &str, n: usize) -> Vec<usize> {
+    let stop = |_| {
+        e.keys(key);
+        e.view().frame_idx
+    };
+    (0..n).map(stop).collect()
+}
+
+#[test]
+fn only_plants_that_are_shown_are_walked_in_every_cycle() {
+    for (shape, cycling, copies) in [("line:0.5", "off", false), ("circle:3", "blended", true)] {
+        let mut document = Document::new(document::open(None).expect("the built-in clip opens"));
+        let values = vec![("timing.cycling".to_owned(), cycling.into())];
+        let shaped = Change::Set { values, shape: Some(shape.parse().expect("a shape")) };
+        document.apply(&shaped, false).expect("a shape");
+        let mut e = Editor::new(document, Vec::new());
+        let solved = e.document().solved();
+        let shown: Vec<usize> = solved.shown_plants(0).map(|plant| plant.first).collect();
+        assert_eq!(shown.len() > solved.feet.plants[0].plants.len(), copies, "{shape}: {shown:?}");
+        assert!(shown.len() > 2 && shown[0] == 0 && shown.windows(2).all(|pair| pair[0] < pair[1]));
+        assert_eq!(stops(&mut e, "l", shown.len()), [&shown[1..], &[0]].concat(), "{shape}");
+        let back: Vec<usize> = shown.iter().rev().copied().collect();
+        assert_eq!(stops(&mut e, "h", shown.len()), back, "{shape}");
+        // The panel has rows of plants, too, that the path is too short for.
+        if !copies {
+            let feet = TABS.iter().position(|&tab| tab == Tab::Feet).expect("a tab");
+            e.keys(&"<tab>".repeat(feet));
+            e.keys(&"j".repeat(e.rows().len()));
+            assert!(message(&e).contains("is not shown on this path"), "{}", message(&e));
+        }
+    }
 }
 
 #[test]

@@ -50,7 +50,7 @@ pub use posing::PoseChange;
 pub use project::{FORMAT, Problem, Project, ProjectError};
 use solve::draft;
 pub use solve::{solve, solve_live};
-pub use solved::{Solved, Source};
+pub use solved::{ShownPlant, Solved, Source};
 pub use source::{BUILT_IN, built_in};
 pub use strain::{Cause, Strain};
 pub use table::{PARAMETERS, parameter};

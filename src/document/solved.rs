@@ -78,6 +78,17 @@ pub struct Solved {
     pub(super) extent: Extent,
 }
 
+/// Where the edited clip shows a plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShownPlant {
+    /// Index of the plant among its foot's.
+    pub plant_idx: usize,
+    /// First edited frame.
+    pub first: usize,
+    /// Last edited frame.
+    pub last: usize,
+}
+
 impl Solved {
     /// Tells whether `measures` and `foot_numbers` are of these edits. Only a [`super::Document`] that shows drafts has
     /// results of which they are not.
@@ -187,8 +198,9 @@ impl Solved {
         Some(Footprint {
             foot_idx,
             plant_idx,
-            place: print.place - DVec3::Y * self.feet.prints[foot_idx][plant_idx].clearance,
+            place: print.place - print.normal * self.feet.prints[foot_idx][plant_idx].clearance,
             heading_rad: print.heading_rad,
+            normal: print.normal,
             missed_by: missed.map(|missed| missed.by),
         })
     }
@@ -198,6 +210,17 @@ impl Solved {
         let leg = self.posed.prepared.legs().nth(leg)?;
         let foot_idx = self.feet.plants.iter().position(|foot| foot.leg == leg)?;
         Some((foot_idx, self.feet.plants[foot_idx].at(self.source_frame(edited_frame))?))
+    }
+
+    /// Lists where the edited clip shows a foot's plants, in order of time. Those of a blended cycle go on with it; others
+    /// stand where they are first shown.
+    pub fn shown_plants(&self, foot_idx: usize) -> impl Iterator<Item = ShownPlant> {
+        let last_shown = self.edited.n_frames().min(self.walked.clip.n_frames()) - 1;
+        let shown = self.walked.plants[foot_idx].plants.iter().take_while(move |plant| plant.first <= last_shown);
+        shown.filter_map(move |plant| {
+            let plant_idx = self.feet.plants[foot_idx].at(self.source_frame(plant.first))?;
+            Some(ShownPlant { plant_idx, first: plant.first, last: plant.last.min(last_shown) })
+        })
     }
 
     /// Returns how a plant was missed, in the first cycle in which it was; none: it was reached, or is not held.

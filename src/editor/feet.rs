@@ -7,7 +7,7 @@
 use super::{Editor, Effect, Message, RowKind, TABS, Tab};
 use crate::{
     contact::{Plant, PlantChange, PlantMode},
-    document::{Change, NO_LEGS, Solved},
+    document::{Change, NO_LEGS, ShownPlant, Solved},
     motion::Side,
 };
 
@@ -82,33 +82,46 @@ pub(super) fn choose_other(editor: &mut Editor) -> Effect {
     Effect::None
 }
 
-/// Walks to the plant after the playhead, round at the end.
+/// Walks to the plant after the playhead, of those that the edited clip shows, round at the end.
 pub(super) fn next(editor: &mut Editor) -> Effect {
-    walk(editor, |plants, at| plants.iter().position(|p| p.first > at).unwrap_or(0))
+    walk(editor, |shown, at| shown.iter().position(|plant| plant.first > at).unwrap_or(0))
 }
 
-/// Walks to the plant before the playhead, round at the start.
+/// Walks to the plant before the playhead, of those that the edited clip shows, round at the start.
 pub(super) fn previous(editor: &mut Editor) -> Effect {
-    walk(editor, |plants, at| plants.iter().rposition(|p| p.last < at).unwrap_or(plants.len() - 1))
+    walk(editor, |shown, at| shown.iter().rposition(|plant| plant.last < at).unwrap_or(shown.len() - 1))
 }
 
-fn walk(editor: &mut Editor, choose: fn(&[Plant], usize) -> usize) -> Effect {
-    if let Some((foot_idx, _)) = editor.chosen_plant() {
-        let plants = &editor.document.solved().feet.plants[foot_idx].plants;
-        go_to(editor, choose(plants, editor.source_frame()));
+fn walk(editor: &mut Editor, choose: fn(&[ShownPlant], usize) -> usize) -> Effect {
+    let Some(foot_idx) = editor.chosen_foot() else { return Effect::None };
+    let solved = editor.document.solved();
+    let shown: Vec<_> = solved.shown_plants(foot_idx).collect();
+    if shown.is_empty() {
+        let side = side(solved, foot_idx).name();
+        editor.say(Message::warning(format!("the path ends before the first {side} plant")));
+        return Effect::None;
     }
+    let first = shown[choose(&shown, editor.view.frame_idx)].first;
+    editor.view.playing = false;
+    editor.view.jump(first);
+    show_plant_row(editor);
+    tell(editor);
     Effect::None
 }
 
 /// Moves the playhead to the first frame of one of the chosen foot's plants.
 pub(super) fn go_to(editor: &mut Editor, plant_idx: usize) {
     let Some(foot_idx) = editor.chosen_foot() else { return };
-    let plants = &editor.document.solved().feet.plants[foot_idx].plants;
-    if let Some(first) = plants.get(plant_idx).map(|p| p.first) {
-        show(editor, first);
-        show_plant_row(editor);
-        tell(editor);
+    let solved = editor.document.solved();
+    let Some(first) = solved.feet.plants[foot_idx].plants.get(plant_idx).map(|p| p.first) else { return };
+    if solved.edited_frame(first).is_none() {
+        let (side, frames) = (side(solved, foot_idx).name(), text(solved, foot_idx, plant_idx));
+        editor.say(Message::warning(format!("{side} plant {} is not shown on this path: {frames}", plant_idx + 1)));
+        return;
     }
+    show(editor, first);
+    show_plant_row(editor);
+    tell(editor);
 }
 
 /// Moves the panel's selection to the plant that keys act on, where the panel shows plants.

@@ -27,7 +27,7 @@ use super::{
     text,
 };
 use crate::{
-    contact::{FootPlants, Plant},
+    document::ShownPlant,
     editor::{Editor, Hint, RowKind, Severity, TABS, Tab},
     scene::{Objects, Picture, Role, Scene},
 };
@@ -243,24 +243,18 @@ fn draw_residuals(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palett
 fn draw_timeline(buf: &mut Buffer, area: Rect, editor: &Editor, palette: Palette) {
     let solved = editor.document().solved();
     let rest = solved.clip.rest_frames();
-    // A plant stands where the edited clip first shows it; those of a joined clip go on with its cycles.
-    let last_shown = solved.edited.n_frames().min(solved.walked.clip.n_frames()) - 1;
     let chosen = editor.chosen_plant();
-    let interval = |foot_idx: usize, shown: &Plant| {
-        let plant_idx = solved.feet.plants[foot_idx].at(solved.source_frame(shown.first))?;
-        Some(Interval {
-            frames: shown.first + rest..=shown.last.min(last_shown) + rest,
+    let of_foot = |foot_idx: usize| {
+        let interval = |ShownPlant { plant_idx, first, last }| Interval {
+            frames: first + rest..=last + rest,
             mode: solved.feet.plants[foot_idx].plants[plant_idx].mode,
             edited: solved.feet.is_edited(foot_idx, plant_idx),
             missed: solved.missed(foot_idx, plant_idx).is_some(),
             chosen: chosen == Some((foot_idx, plant_idx)),
-        })
+        };
+        solved.shown_plants(foot_idx).map(interval).collect()
     };
-    let of_foot = |(foot_idx, foot): (usize, &FootPlants)| {
-        let shown = foot.plants.iter().take_while(|plant| plant.first <= last_shown);
-        shown.filter_map(|plant| interval(foot_idx, plant)).collect()
-    };
-    let intervals: Vec<Vec<Interval>> = solved.walked.plants.iter().enumerate().map(of_foot).collect();
+    let intervals: Vec<Vec<Interval>> = (0..solved.walked.plants.len()).map(of_foot).collect();
     let feet = solved.walked.plants.iter().zip(&intervals);
     let rows: Vec<_> = feet.map(|(foot, intervals)| TimelineRow { label: side(foot), intervals }).collect();
     let timeline = Timeline {
