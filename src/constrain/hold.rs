@@ -84,6 +84,8 @@ pub struct Footprint {
     pub place: DVec3,
     /// Direction from ankle to toe, about up, radians.
     pub heading_rad: f64,
+    /// Upright of the ground it stands on, unit, world; leans where the foot is tilted with a ramp.
+    pub normal: DVec3,
 }
 
 /// A plant that could not be reached.
@@ -200,7 +202,8 @@ fn footprint(idx: usize, leg: &PreparedLeg, plant_idx: u32, motion: &Rigid) -> F
     let prepared = &leg.plants[plant_idx as usize];
     let (first, last) = (prepared.plant.first, prepared.plant.last);
     let heading_rad = crate::math::heading_rad(motion.rotation * prepared.along).unwrap_or(twist_rad(motion.rotation));
-    Footprint { leg: idx, first, last, place: motion.point(prepared.foot), heading_rad }
+    let normal = motion.rotation * DVec3::Y;
+    Footprint { leg: idx, first, last, place: motion.point(prepared.foot), heading_rad, normal }
 }
 
 impl Held {

@@ -19,6 +19,8 @@ pub struct Footprint {
     pub place: DVec3,
     /// Direction from ankle to toe, about up, radians.
     pub heading_rad: f64,
+    /// Upright of the ground it stands on, unit, world; leans where the foot is tilted with a ramp.
+    pub normal: DVec3,
     /// By how much the plant could not be reached, clip's unit; none: it was.
     pub missed_by: Option<f64>,
 }
@@ -68,7 +70,8 @@ impl<'a> Sole<'a> {
         let ground = floor + self.points.iter().zip(&self.lowest).map(above).fold(f64::INFINITY, f64::min);
         let middle = ankle.midpoint(toe);
         let heading_rad = heading_rad(toe - ankle).unwrap_or(0.0);
-        let print = Footprint { foot_idx, plant_idx, place: middle.with_y(ground), heading_rad, missed_by: None };
+        let place = middle.with_y(ground);
+        let print = Footprint { foot_idx, plant_idx, place, heading_rad, normal: DVec3::Y, missed_by: None };
         SourcePrint { print, clearance: middle.y - ground }
     }
 }
@@ -131,7 +134,15 @@ mod tests {
             .collect();
         let set = ("path.control_points".to_owned(), toml::Value::Array(raised));
         document.apply(&Change::Set { values: vec![set], shape: None }, false).expect("a path");
-        check(document.solved(), false);
+        for (ground, slope_rad) in [("ramp", 0.2f64.atan()), ("steps", 0.0)] {
+            let set = ("plants.ground".to_owned(), ground.into());
+            document.apply(&Change::Set { values: vec![set], shape: None }, false).expect("a ground");
+            check(document.solved(), false);
+            for print in document.solved().footprints() {
+                let leans = print.normal.angle_between(DVec3::Y);
+                assert!((leans - slope_rad).abs() < 0.03, "{ground}: {print:?} leans by {leans}");
+            }
+        }
     }
 
     #[test]

@@ -203,6 +203,7 @@ fn footprints(solved: &Solved) -> Vec<Footprint> {
         foot: solved.feet.plants[print.foot_idx].leg.side,
         at: seen(print.place),
         heading_rad: print.heading_rad,
+        normal: print.normal,
         length,
     };
     solved.footprints().into_iter().map(print).collect()

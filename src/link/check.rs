@@ -107,7 +107,8 @@ pub(super) fn check_still(still: &Still) -> Result<(), Fault> {
         number("curve", index, curve.points.iter().all(|&p| is_point(p)))?;
     }
     for (index, print) in still.footprints.iter().enumerate() {
-        let good = is_point(print.at) && print.heading_rad.is_finite() && is_length(print.length);
+        let stands = print.heading_rad.is_finite() && print.normal.is_normalized();
+        let good = is_point(print.at) && stands && is_length(print.length);
         number("footprint", index, good)?;
     }
     check_marks("still mark", &still.marks)?;
@@ -266,6 +267,7 @@ mod tests {
                 foot: Side::Left,
                 at: DVec3::ONE,
                 heading_rad: 1.0,
+                normal: DVec3::Y,
                 length: 0.2,
             }],
             marks: vec![Mark { role: Role::ControlPoint, at: DVec3::ONE, radius: 0.1 }],
@@ -311,6 +313,7 @@ mod tests {
         assert_eq!(fault(|s, _| s.bodies[0].limbs[1].radius = -1.0), found("the limbs of body", 0));
         assert_eq!(fault(|s, _| s.curves[0].points[1].z = f64::NAN), found("curve", 0));
         assert_eq!(fault(|s, _| s.footprints[0].heading_rad = f64::NAN), found("footprint", 0));
+        assert_eq!(fault(|s, _| s.footprints[0].normal = DVec3::ZERO), found("footprint", 0));
         assert_eq!(fault(|s, _| s.footprints[0].length = 0.0), found("footprint", 0));
         assert_eq!(fault(|s, _| s.footprints[0].at.y = 1e300), found("footprint", 0));
         assert_eq!(fault(|s, _| s.marks[0].at.x = f64::INFINITY), found("still mark", 0));

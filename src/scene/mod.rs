@@ -123,6 +123,8 @@ pub struct Footprint {
     pub at: DVec3,
     /// Where the toes point, about up, radians; 0 is +z.
     pub heading_rad: f64,
+    /// Upright of the ground under it, unit, world.
+    pub normal: DVec3,
     /// From heel to toes, clip's length unit; positive.
     pub length: f64,
 }

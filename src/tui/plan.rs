@@ -451,6 +451,7 @@ mod tests {
             foot,
             at: DVec3::new(x, 0.0, 0.0),
             heading_rad: turns * quarter,
+            normal: DVec3::Y,
             length: 0.3,
         };
         let mut prints: Vec<Footprint> =
@@ -479,8 +480,14 @@ mod tests {
     #[test]
     fn a_footprint_is_not_lost_under_a_mark_or_another_print() {
         let mut scene = scene();
-        let print =
-            |foot, heading_rad| Footprint { role: Role::Footprint, foot, at: DVec3::ZERO, heading_rad, length: 0.3 };
+        let print = |foot, heading_rad| Footprint {
+            role: Role::Footprint,
+            foot,
+            at: DVec3::ZERO,
+            heading_rad,
+            normal: DVec3::Y,
+            length: 0.3,
+        };
         let still = Arc::make_mut(&mut scene.still);
         still.footprints = vec![print(Side::Left, 0.0), print(Side::Right, 0.0), print(Side::Left, 0.25 * TAU)];
         still.marks = vec![Mark { role: Role::ControlPoint, at: DVec3::ZERO, radius: 0.1 }];

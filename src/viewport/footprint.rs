@@ -1,6 +1,6 @@
 //! Footprints as curves: the outline of a sole on the ground, crossed out where the plant was missed.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::{
     math::heading_rotation,
@@ -33,7 +33,7 @@ const CROSS: [[usize; 2]; 2] = [[2, 10], [14, 6]];
 
 /// Returns the curves of a footprint.
 pub(super) fn curves(print: &Footprint) -> Vec<Curve> {
-    let turn = heading_rotation(print.heading_rad);
+    let turn = DQuat::from_rotation_arc(DVec3::Y, print.normal) * heading_rotation(print.heading_rad);
     // A body that faces +z has +x on its left.
     let outwards = if print.foot == Side::Left { 1.0 } else { -1.0 };
     let point = |corner: usize| {
@@ -53,7 +53,8 @@ mod tests {
     use super::*;
 
     fn print(foot: Side, heading_rad: f64) -> Footprint {
-        Footprint { role: Role::Footprint, foot, at: DVec3::new(5.0, 1.0, -2.0), heading_rad, length: 2.0 }
+        let at = DVec3::new(5.0, 1.0, -2.0);
+        Footprint { role: Role::Footprint, foot, at, heading_rad, normal: DVec3::Y, length: 2.0 }
     }
 
     #[test]
@@ -68,6 +69,15 @@ mod tests {
             assert!((along.clone().fold(f64::MIN, f64::max) - 1.0).abs() < 1e-12);
             assert!((along.fold(f64::MAX, f64::min) + 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn the_outline_leans_with_the_ground() {
+        let normal = DVec3::new(0.3, 0.9, -0.2).normalize();
+        let print = Footprint { normal, ..print(Side::Right, 0.7) };
+        let outline = &curves(&print)[0].points;
+        assert!(outline.iter().all(|p| (*p - print.at).dot(normal).abs() < 1e-12));
+        assert!((outline[8].distance(outline[0]) - print.length).abs() < 0.01 * print.length, "as long as before");
     }
 
     #[test]

@@ -217,7 +217,7 @@ pub(crate) fn selected() -> Scene {
 /// Footprints of both feet on the ground and on a step, from above and near by; the last one was missed.
 pub(crate) fn footprints() -> Scene {
     let mut scene = feet();
-    let print = |role, foot, at, heading_rad| Footprint { role, foot, at, heading_rad, length: 0.27 };
+    let print = |role, foot, at, heading_rad| Footprint { role, foot, at, heading_rad, normal: DVec3::Y, length: 0.27 };
     let still = Arc::make_mut(&mut scene.still);
     still.revision = 4;
     still.marks.clear();
