@@ -691,7 +691,7 @@ fn what_cannot_be_done_is_said() {
         ("interpolation_keys=[100, 100000]", "interpolation_keys: 100000 is beyond the clip's end"),
         (
             "layer=[{name = \"far\", position = [{frame = 100000, value = [0, 1, 0]}]}]",
-            "layer far: keys from file frame 100000",
+            "far has keys from file frame 100000",
         ),
         (
             "layer=[{name = \"far\", rotation = {Chest = [{frame = 99999, value = [1, 0, 0, 0]}]}}]",

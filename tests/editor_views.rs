@@ -234,6 +234,47 @@ fn a_view_hides_and_shows_for_itself() {
 }
 
 #[test]
+fn what_comes_into_one_window_comes_into_no_other() {
+    let in_window = |e: &Editor, window| -> Vec<bool> {
+        e.scene_in(window).now.views.iter().map(|view| view.shows.contains(Object::Traces)).collect()
+    };
+    for keys in ["vr", "V2vr"] {
+        let mut e = editor();
+        e.use_window(Window::Second);
+        e.keys(keys);
+        assert!(in_window(&e, Window::Second)[0], "{keys}");
+        assert_eq!(in_window(&e, Window::First), [false], "{keys}");
+        // There they can be shown as well, and are no more when pressed again.
+        e.use_window(Window::First);
+        e.keys("vr");
+        assert_eq!(in_window(&e, Window::First), [true], "{keys}");
+        assert!(in_window(&e, Window::Second)[0], "{keys}");
+    }
+}
+
+#[test]
+fn a_picture_of_all_shows_all_from_every_side_until_it_is_zoomed() {
+    let height = |e: &Editor| match e.scene().now.views[0].camera.projection {
+        walkabout::scene::Projection::Orthographic { height } => height,
+        walkabout::scene::Projection::Perspective { .. } => panic!("looking along an axis is orthographic"),
+    };
+    let mut e = editor();
+    e.keys("sc4");
+    let top = height(&e);
+    e.keys("1ay");
+    assert!((height(&e) / top - 1.0).abs() < 1e-9, "{} {top}", height(&e));
+    e.keys("ax");
+    let side = height(&e);
+    e.keys("3");
+    assert!((height(&e) / side - 1.0).abs() < 1e-9);
+    // What is zoomed keeps its scale.
+    e.keys("1)");
+    let zoomed = height(&e);
+    e.keys("ay");
+    assert!((height(&e) / zoomed - 1.0).abs() < 1e-9);
+}
+
+#[test]
 fn every_drawn_object_can_be_hidden_in_a_view() {
     for command in COMMANDS.iter().filter(|c| c.name.starts_with("show.")) {
         let mut e = editor();

@@ -156,7 +156,8 @@ impl<'a> Stack<'a> {
                 ));
             }
             if let Some(frame) = layer.frames().filter(|&frame| frame > end).min() {
-                warnings.push(format!("layer {}: keys from file frame {frame} on, the clip ends at {end}", layer.name));
+                let name = &layer.name;
+                warnings.push(format!("{name} has keys from file frame {frame} on; the clip ends at {end}"));
             }
             for name in layer.rotation.keys() {
                 let problem = match find_joint(&self.clip.skeleton, name) {

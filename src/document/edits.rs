@@ -229,7 +229,7 @@ impl Default for WindowEdits {
 pub struct OneViewEdits {
     /// Camera preset it is seen from, 0 to 3.
     pub camera_idx: usize,
-    /// What it shows of what `show.*` draws; what it does not is its `hide`. Counts in a window of several views.
+    /// What it shows of what `show.*` draws; what it does not is its `hide`.
     pub shows: Show,
 }
 

@@ -17,6 +17,9 @@ use crate::{
 /// Sideways acceleration a bend may ask for, of gravity: a lean of 27°.
 const LEAN: f64 = 0.5;
 
+/// A bend that is too tight by less than this share is just feasible.
+const BARELY: f64 = 0.01;
+
 /// Gravity, body heights per second squared, for a body of average stature (9.81 m/s², 1.72 m).
 const GRAVITY: f64 = 9.81 / 1.72;
 
@@ -104,7 +107,7 @@ impl Asked<'_> {
             let speed = if secs > 0.0 { (arcs[last] - arcs[first]) / secs } else { 0.0 };
             let feasible = (speed * speed / (LEAN * GRAVITY * height)).max(TIGHTEST * leg);
             let radius = radii[((arcs[frame] / spacing).round() as usize).min(radii.len() - 1)];
-            (radius < feasible).then_some((radius, Cause::Bend { radius, feasible, speed }))
+            (radius < (1.0 - BARELY) * feasible).then_some((radius, Cause::Bend { radius, feasible, speed }))
         };
         let mut strains: Vec<Strain> = Vec::new();
         let mut least = f64::INFINITY;

@@ -104,7 +104,7 @@ macro_rules! view_hide_row {
             name: concat!($window, ".", $n, ".hide"),
             kind: Kind::Objects,
             unit: "",
-            doc: "What show.* draws and this view leaves out, where the window has several views.",
+            doc: "What show.* draws and this view leaves out.",
             get: |e| hidden(e.view.windows[$window_idx].views[$n - 1].shows),
             set: |e, v| e.view.windows[$window_idx].views[$n - 1].shows = shown(v),
         }

@@ -90,8 +90,7 @@ pub(super) fn move_row(editor: &mut Editor, by: i64) -> Effect {
 }
 
 pub(super) fn step_value(editor: &mut Editor, command: &'static str, name: &str, n: i64, big: bool) -> Effect {
-    // Of several views only the one in focus shows or hides it.
-    if name.starts_with("show.") && views::are_several(editor) {
+    if name.starts_with("show.") && views::decides(editor, name) {
         return views::toggle(editor, command, name);
     }
     if let Some(value) = stepped(editor, name, n, big) {

@@ -1,5 +1,7 @@
 //! The four camera presets: three-quarter, front, side and top, framing the whole motion until the user edits them.
 
+use std::borrow::Cow;
+
 use glam::{DQuat, DVec3};
 
 use super::{Editor, area::PlanArea};
@@ -26,6 +28,8 @@ const SAME_DIRECTION: f64 = 1e-3;
 const FOLLOW_HEIGHTS: f64 = 0.9;
 /// Presets frame for pictures at least this wide for their height; of two views side by side each is half as wide.
 const ASPECT: f64 = 1.5;
+/// A camera within this share of its distance from where it would show all shows all.
+const FITTED: f64 = 1e-6;
 /// Room left around what is framed.
 const ROOM: f64 = 1.2;
 
@@ -69,12 +73,7 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize, layout: u
     let direction = own_direction(camera_idx);
     let own_projection = if camera_idx == 0 { ProjectionKind::Perspective } else { ProjectionKind::Orthographic };
     let height = solved.clip.facts.height.value;
-    let (centre, framed): (DVec3, &[DVec3]) = if edits.follow {
-        let centre = followed(solved, 0);
-        (centre, &[DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y].map(|side| centre + side * FOLLOW_HEIGHTS * height))
-    } else {
-        (area.centre, &area.points)
-    };
+    let (centre, framed) = framed(solved, area, edits.follow);
     // A view straight down has the clip's far side at the top.
     let own_up = if camera_idx == 3 { DVec3::NEG_Z } else { DVec3::Y };
     let projection = edits.projection.unwrap_or(own_projection);
@@ -83,7 +82,7 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize, layout: u
     let eye = edits.eye.map_or_else(
         || {
             let frame = Frame { direction, up: own_up, fov_y_rad, projection, aspect: aspect(layout) };
-            target + direction * frame.distance(centre, framed)
+            target + direction * frame.distance(centre, &framed)
         },
         to_world,
     );
@@ -91,6 +90,17 @@ pub fn preset(document: &Document, area: &PlanArea, camera_idx: usize, layout: u
         Preset { eye, target, up: edits.up.map_or(own_up, to_world), fov_y_rad, projection, follow: edits.follow };
     preset.mend(height);
     preset
+}
+
+/// Returns what a camera shows that nobody has moved: the middle and what is around it.
+fn framed<'a>(solved: &Solved, area: &'a PlanArea, follow: bool) -> (DVec3, Cow<'a, [DVec3]>) {
+    if !follow {
+        return (area.centre, Cow::Borrowed(&area.points));
+    }
+    let centre = followed(solved, 0);
+    let way = FOLLOW_HEIGHTS * solved.clip.facts.height.value;
+    let sides = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y].map(|side| centre + side * way);
+    (centre, Cow::Owned(sides.to_vec()))
 }
 
 /// Returns where a preset as it came looks from: the direction from what is looked at to the eye, unit.
@@ -229,8 +239,20 @@ fn moved(editor: &Editor, by: Move) -> CameraEdits {
         Move::Zoom(nearer) => preset.eye = preset.target + arm * ZOOM_STEP.powi(nearer),
         Move::Along(axis) => {
             let direction = up_axis.to_world([DVec3::X, DVec3::Y, DVec3::Z][axis]);
-            preset.eye = preset.target + direction * arm.length();
-            preset.up = if direction.y.abs() > 0.5 { DVec3::NEG_Z } else { DVec3::Y };
+            let up = if direction.y.abs() > 0.5 { DVec3::NEG_Z } else { DVec3::Y };
+            let (centre, points) = framed(solved, &editor.view.area, preset.follow);
+            let layout = editor.document.edits().view.windows[editor.view.window.idx()].layout;
+            let fit = |direction: DVec3, up: DVec3, projection: ProjectionKind| {
+                let frame = Frame { direction, up, fov_y_rad: preset.fov_y_rad, projection, aspect: aspect(layout) };
+                frame.distance(centre, &points)
+            };
+            // A picture that shows all goes on to do so; one that was zoomed or panned keeps what it looks at.
+            let fitted = fit(arm.normalize(), preset.up, preset.projection);
+            let near = FITTED * fitted;
+            let shows_all = preset.target.distance(centre) < near && (arm.length() - fitted).abs() < near;
+            let distance = if shows_all { fit(direction, up, ProjectionKind::Orthographic) } else { arm.length() };
+            preset.eye = preset.target + direction * distance;
+            preset.up = up;
             edits.projection = Some(ProjectionKind::Orthographic);
         }
         Move::Target => {

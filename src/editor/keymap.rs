@@ -64,7 +64,9 @@ fn why_idle(editor: &Editor, command: &Command) -> String {
     match (command.group, command.name) {
         (Group::Feet, _) => feet::why_idle(editor),
         (Group::Layers, _) => "there is no layer yet; Bn makes one".to_owned(),
-        (_, "interpolation.delete") => "there are no interpolation keys; I sets them".to_owned(),
+        (_, "export.interpolated" | "interpolation.delete") => {
+            "there are no interpolation keys; I sets them".to_owned()
+        }
         _ if is_of_poses && !pose::is_open(editor) => "it does on the joints tab".to_owned(),
         _ => ANY_KEY.to_owned(),
     }

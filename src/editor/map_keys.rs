@@ -9,7 +9,7 @@ use toml::Value;
 use super::{Asking, Editor, Effect, Handle, Message, Prompt, maps};
 use crate::{
     displace::{Layer, Selection, joint_name},
-    document::{Change, KeyChange},
+    document::{Change, KeyChange, LayerRefusal},
 };
 
 impl Editor {
@@ -46,15 +46,21 @@ pub(super) fn delete(editor: &mut Editor, command: &'static str) -> Effect {
 
 /// Asks for the frame that the keys at the playhead move to.
 pub(super) fn ask_move(editor: &mut Editor) -> Effect {
-    let from = editor.file_frame();
-    editor.prompt = Some(Prompt::new(Asking::MoveKeys { from }, &from.to_string()));
-    Effect::None
+    ask(editor, |from| Asking::MoveKeys { from })
 }
 
 /// Asks for the frame that the keys at the playhead are copied to.
 pub(super) fn ask_copy(editor: &mut Editor) -> Effect {
+    ask(editor, |from| Asking::CopyKeys { from })
+}
+
+fn ask(editor: &mut Editor, asking: fn(usize) -> Asking) -> Effect {
     let from = editor.file_frame();
-    editor.prompt = Some(Prompt::new(Asking::CopyKeys { from }, &from.to_string()));
+    if editor.key_frames().contains(&from) {
+        editor.prompt = Some(Prompt::new(asking(from), &from.to_string()));
+    } else {
+        editor.say(Message::note(LayerRefusal::NoKey(from).to_string()));
+    }
     Effect::None
 }
 

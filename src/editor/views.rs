@@ -151,10 +151,22 @@ fn tell_camera(editor: &mut Editor, more: &str) {
     }
 }
 
+/// Tells whether showing what `name` (a row of `show.*`) draws is up to the view in focus: it is one of several, or of the
+/// second window, or leaves it out already.
+pub(super) fn decides(editor: &Editor, name: &str) -> bool {
+    let (view, _) = sections(&editor.view);
+    are_several(editor) || editor.view.window == Window::Second || hides(editor, &format!("{view}.hide"), object(name))
+}
+
+/// Returns the name of what a row of `show.*` draws.
+fn object(name: &str) -> &str {
+    name.rsplit('.').next().expect("a name has a last part")
+}
+
 /// Shows what `name` (a row of `show.*`) draws in the view in focus, or leaves it out there; all other views stay as
 /// they are.
 pub(super) fn toggle(editor: &mut Editor, command: &'static str, name: &str) -> Effect {
-    let object = name.rsplit('.').next().expect("a name has a last part");
+    let object = object(name);
     let (view, _) = sections(&editor.view);
     let hide = format!("{view}.hide");
     let drawn = value(editor, name) == Value::Boolean(true);
@@ -205,7 +217,7 @@ pub(super) fn views(document: &Document, view: &ViewState, window: Window) -> Ve
         View {
             camera: preset.camera(camera::follow_offset(document, view.frame_idx)),
             title: format!("{} {}, {kind}{follows}", camera_idx + 1, preset.name(camera_idx, up)),
-            shows: if several { objects(shows) } else { Objects::ALL },
+            shows: objects(shows),
             focused: several && idx == view.focus[window.idx()],
         }
     };

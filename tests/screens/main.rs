@@ -273,7 +273,7 @@ fn the_plan_leaves_out_what_the_view_in_focus_does() {
     };
     assert!(plan("V2").contains('●') && !plan("V2vc").contains('●'), "{}", plan("V2vc"));
     assert!(plan("V2vcVn4").contains('●'), "the other view shows them");
-    assert!(plan("V2vcV1").contains('●'), "a view alone shows all");
+    assert!(!plan("V2vcV1").contains('●') && plan("V2vcV1vc").contains('●'), "alone it leaves them out until told");
 }
 
 #[test]
