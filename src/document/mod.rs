@@ -15,6 +15,7 @@ mod layers;
 mod parameter;
 mod piece;
 mod plants;
+mod pose_keys;
 mod posed;
 mod posing;
 mod probe;

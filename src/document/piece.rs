@@ -21,6 +21,15 @@ use crate::{
     skeleton::JointId,
 };
 
+/// A point that is nearer to its target than this share of the body height is there.
+pub(super) const THERE: f64 = 7e-5;
+/// On a piece of the clip, where to be nearer costs next to nothing.
+pub(super) const THERE_ON_PIECE: f64 = 1e-5;
+/// How often the whole clip follows an edit, at most.
+pub(super) const DRAFTS: usize = 5;
+/// Corrections of what holding does to a foot or the carrier, on a piece, at most.
+pub(super) const CORRECTIONS: usize = 12;
+
 /// Time on either side of the frame, seconds: the carrier's offset forgets within one.
 const AROUND_SECS: f64 = 1.0;
 /// Feet that stand this near to the frame stand in the piece as long as in the clip, seconds.

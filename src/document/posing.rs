@@ -6,33 +6,25 @@
 
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::{
     Edits, LayerRefusal, Solved,
     layers::editable,
-    piece::Piece,
+    piece::{CORRECTIONS, DRAFTS, Piece, THERE, THERE_ON_PIECE},
+    pose_keys::{key_turns, move_carrier, pose},
     reaching::{Holding, Wish},
     solve::draft,
 };
 use crate::{
     displace::{
-        Stack, can_turn,
+        can_turn,
         ik::{self, JointTurn},
         joint_name,
     },
     math::Rigid,
     skeleton::JointId,
 };
-
-/// A point that is nearer to its target than this share of the body height is there.
-pub(super) const THERE: f64 = 7e-5;
-/// On a piece of the clip, where to be nearer costs next to nothing.
-pub(super) const THERE_ON_PIECE: f64 = 1e-5;
-/// How often the whole clip follows an edit, at most.
-pub(super) const DRAFTS: usize = 5;
-/// Corrections of what holding does to a foot or the carrier, on a piece, at most.
-pub(super) const CORRECTIONS: usize = 12;
 
 /// What is wanted of a pose. World positions and axes are y-up, in the clip's unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,13 +104,6 @@ pub(super) fn change(
     Ok(None)
 }
 
-/// Returns the world motions of all joints as they are seen.
-pub(super) fn pose(solved: &Solved, frame_idx: usize) -> Vec<Rigid> {
-    let mut world = Vec::new();
-    solved.edited.world_rigids(frame_idx, &mut world);
-    world
-}
-
 /// Returns where the carrier is in a pose.
 fn carrier_at(solved: &Solved, world: &[Rigid]) -> DVec3 {
     world[solved.clip.facts.carrier.value.idx()].translation
@@ -165,51 +150,4 @@ fn carry_on(
         }
     }
     Ok(made.expect("a draft is made at least once"))
-}
-
-/// Keys turns of joints on the right of their local rotations.
-pub(super) fn key_turns(
-    solved: &Solved,
-    edits: &mut Edits,
-    layer_idx: usize,
-    frame_idx: usize,
-    turns: &[JointTurn],
-) -> Result<(), LayerRefusal> {
-    let clip = &*solved.clip;
-    let frame = solved.source_frame(frame_idx);
-    let file_frame = clip.file_frame(frame);
-    let mut layer = editable(edits, layer_idx)?.clone();
-    let stack = Stack { clip, base: &solved.posed.base.joints, layers: &edits.layers };
-    for JointTurn { joint, turn } in turns {
-        let seen: DQuat = stack.rotation(*joint, frame) * *turn;
-        let key = stack.rotation_key(layer_idx, *joint, frame, seen);
-        let key = key.ok_or_else(|| cannot_show(&layer))?;
-        layer.set_rotation(&joint_name(&clip.skeleton, *joint), file_frame, key);
-    }
-    edits.layers[layer_idx] = layer;
-    Ok(())
-}
-
-fn move_carrier(
-    solved: &Solved,
-    edits: &mut Edits,
-    layer_idx: usize,
-    frame_idx: usize,
-    by: DVec3,
-) -> Result<(), LayerRefusal> {
-    let clip = &*solved.clip;
-    if !clip.facts.path_editable {
-        return Err(LayerRefusal::CarrierStays);
-    }
-    let frame = solved.source_frame(frame_idx);
-    let stack = Stack { clip, base: &solved.posed.base.joints, layers: &edits.layers };
-    let path_frame = solved.new_frame(frame_idx).rotation;
-    let seen = stack.offset(frame) + path_frame.conjugate() * by;
-    let key = stack.position_key(layer_idx, frame, seen).ok_or_else(|| cannot_show(&edits.layers[layer_idx]))?;
-    edits.layers[layer_idx].position.set(clip.file_frame(frame), key);
-    Ok(())
-}
-
-fn cannot_show(layer: &crate::displace::Layer) -> LayerRefusal {
-    if layer.on { LayerRefusal::Weight(layer.name.clone()) } else { LayerRefusal::Off(layer.name.clone()) }
 }

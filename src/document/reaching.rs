@@ -15,8 +15,8 @@ use glam::{DQuat, DVec3};
 
 use super::{
     Edits, LayerRefusal, Solved,
-    piece::{Piece, Seen},
-    posing::{CORRECTIONS, DRAFTS, THERE, THERE_ON_PIECE, key_turns, pose},
+    piece::{CORRECTIONS, DRAFTS, Piece, Seen, THERE, THERE_ON_PIECE},
+    pose_keys::{key_turns, pose},
     probe::{Probe, Tried},
     solve::draft,
 };

@@ -90,8 +90,8 @@ pub struct ShownPlant {
 }
 
 impl Solved {
-    /// Tells whether `measures` and `foot_numbers` are of these edits. Only a [`super::Document`] that shows drafts has
-    /// results of which they are not.
+    /// Tells whether `measures` and `foot_numbers` are of these edits. Only a [`super::Document`] that shows drafts
+    /// and [`super::solve_live`] have results of which they are not.
     pub fn is_measured(&self) -> bool {
         self.extent == Extent::All
     }
