@@ -101,15 +101,22 @@ impl Wish {
     #[inline]
     pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
         let (along, length) = self.stretched(offset);
-        // A knee's bend is about twice the root of half the share by which its leg is short of straight.
-        let root = |d: f64| (1.0 - d / self.length + STRAIGHT).max(0.5 * STRAIGHT).sqrt();
-        let (was, is) = (root(self.reach), root(length));
-        let turn = SQRT_2 * self.length * (was - is);
+        // A knee's bend is about twice the root of half the share by which its leg is short of straight. A leg longer than
+        // that goes on as steeply: where a force is not the slope of its cost, no step is right and the search stops.
+        let short = |d: f64| 1.0 - d / self.length + STRAIGHT;
+        let root = |short: f64| short.max(0.5 * STRAIGHT).sqrt();
+        let (was, is) = (root(short(self.reach)), root(short(length)));
+        let beyond = (0.5 * STRAIGHT - short(length)).max(0.0);
+        let turn = SQRT_2 * self.length * (was - is + 0.5 * beyond / is);
         let slope = FRAC_1_SQRT_2 / is;
         let weight = share * self.weight;
         let force = weight * slope * turn;
+        // On the way to straight a knee turns ever faster. Where that doubles the spring's stiffness, the spring alone would
+        // have every step come back farther than it went.
+        let faster = if beyond > 0.0 { 0.0 } else { turn * slope / self.length };
+        let stiffness = weight * slope * slope * if faster > 1.0 { 1.0 + faster } else { 1.0 };
         let across = self.moves.x * self.moves.x * force.max(0.0) / length;
-        cost.add(self.moves * along, weight * slope * slope, across, force);
+        cost.add(self.moves * along, stiffness, across, force);
         cost.value += weight * turn * turn;
     }
 
@@ -160,9 +167,28 @@ mod tests {
             cost
         };
         check(|o| of(&|c| wish().add_knee(o, 3.0, c)));
+        let overlong = Wish { length: 0.8, reach: 0.7, ..wish() };
+        check(|o| of(&|c| overlong.add_knee(o, 3.0, c)));
         check(|o| of(&|c| wish().add_limit(o, 100.0, c)));
         check(|o| of(&|c| c.add_offset(o, 1.0, 3.0)));
         check(|o| of(&|c| c.add_offset(o, 100.0, 3.0)));
+    }
+
+    #[test]
+    fn a_nearly_straight_leg_is_as_stiff_as_its_force_grows() {
+        const STEP: f64 = 1e-6;
+        let leg = Wish { moves: DVec3::ONE, length: 0.88, ..wish() };
+        let along = leg.leg.normalize();
+        let at = |far: f64| {
+            let mut cost = Cost::default();
+            leg.add_knee(far * along, 1.0, &mut cost);
+            cost
+        };
+        let [xx, xy, yy, xz, yz, zz] = at(0.0).stiffness;
+        let stiff =
+            DVec3::new(xx, xy, xz) * along.x + DVec3::new(xy, yy, yz) * along.y + DVec3::new(xz, yz, zz) * along.z;
+        let grows = (at(-STEP).force - at(STEP).force).dot(along) / (2.0 * STEP);
+        assert!((stiff.dot(along) / grows - 1.0).abs() < 1e-6, "{stiff} {grows}");
     }
 
     #[test]
