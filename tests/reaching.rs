@@ -99,6 +99,14 @@ impl Puppet {
         [self.chain[0], self.point].map(|id| world[id.idx()].translation)
     }
 
+    /// How far the point is from the joint two above it, as a share of how far it can be.
+    fn straightness(&self) -> f64 {
+        let world = world(self.document.solved(), self.frame);
+        let [above, joint] = [2, 1].map(|n| world[self.chain[self.chain.len() - n].idx()].translation);
+        let point = world[self.point.idx()].translation;
+        above.distance(point) / (above.distance(joint) + joint.distance(point))
+    }
+
     /// The length of the chain when it is straight.
     fn length(&self) -> f64 {
         let skeleton = &self.document.solved().clip.skeleton;
@@ -305,7 +313,32 @@ fn a_captured_foot_goes_from_target_to_target_with_the_whole_chain_and_never_awa
     }
 }
 
-/// Now and then what holding does jumps between one turn and the next: a target in between is not quite reached.
+/// What holding did once jumped between one turn and the next, here by up to 8e-3 body heights, and a lifted foot had the
+/// ground slope: targets in between were not reached.
+#[test]
+fn captured_feet_in_swing_go_wherever_a_bent_leg_takes_them() {
+    for (clip, frame, point, seeds) in [
+        ("cmu_08_01_brisk_walk", 173, "LeftFoot", &[5, 8, 10][..]),
+        ("cmu_131_01_start_walk_stop", 430, "RightAnkle", &[309]),
+    ] {
+        let Some(file) = captured(clip) else { return };
+        let mut document = Document::new(open(Some(&file)).expect("a clip"));
+        set(&mut document, &[], Some("eight"));
+        for &seed in seeds {
+            let mut foot = Puppet::of(document.clone(), frame, point);
+            let mut noise = noise(seed);
+            for n in 0..8 {
+                let by = DVec3::new(0.04 * noise(), 0.03 * noise(), 0.04 * noise());
+                let to = foot.ends()[1] + by * foot.height();
+                foot.reach(to);
+                let off = foot.ends()[1].distance(to) / foot.height();
+                println!("{clip}, seed {seed}, target {n}: {off:e} body heights off");
+                assert!(off < 1e-4, "{clip}, seed {seed}, target {n}: {off} body heights off");
+            }
+        }
+    }
+}
+
 #[test]
 fn captured_feet_go_from_target_to_target_with_the_whole_chain_in_every_cycle() {
     let Some(file) = captured("walk01") else { return };
@@ -313,7 +346,7 @@ fn captured_feet_go_from_target_to_target_with_the_whole_chain_in_every_cycle() 
     set(&mut document, &["timing.cycling=blended"], Some("eight:3"));
     let n_frames = document.solved().edited.n_frames();
     let mut noise = noise(7);
-    let mut n_missed = 0;
+    let mut n_stretched = 0;
     for point in ["LeftFoot", "RightFoot"] {
         for eighth in [1, 3, 5, 7] {
             let frame = n_frames * eighth / 8;
@@ -324,12 +357,13 @@ fn captured_feet_go_from_target_to_target_with_the_whole_chain_in_every_cycle() 
                 foot.reach(to);
                 let off = foot.ends()[1].distance(to) / foot.height();
                 println!("{point}, frame {frame}, target {n}: {off:e} body heights off");
-                assert!(off < 2e-3, "{point}, frame {frame}, target {n}: {off} body heights off");
-                n_missed += usize::from(off > 1e-4);
+                let straight = foot.straightness();
+                assert!(off < 1e-4 || straight > 0.998, "{point}, frame {frame}, target {n}: {off} body heights off");
+                n_stretched += usize::from(off > 1e-4);
             }
         }
     }
-    assert!(n_missed <= 1, "{n_missed} of 32 missed");
+    assert!(n_stretched <= 1, "{n_stretched} of 32 out of a straight leg's reach");
 }
 
 /// Turning the hips has holding move the carrier: by that the head gets where the straight body alone does not.

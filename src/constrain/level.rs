@@ -6,7 +6,15 @@
 //! is taking it off right. The waver is looked at in two parts, its straight trend and the rest, and of each part the
 //! share that the new path does not repeat is given back.
 
+use super::Prepared;
 use crate::{contact::GroundSlope, path::PathFrame, sync::both};
+
+impl Prepared {
+    /// Returns what holding adds to plain path editing's height at each frame on such a path, clip's unit.
+    pub fn lifts(&self, new: &[PathFrame], original: &[PathFrame]) -> Vec<f64> {
+        lifts(new, original, self.slope)
+    }
+}
 
 /// Returns what is to be added to plain path editing's height at each frame, clip's unit.
 ///

@@ -207,6 +207,10 @@ impl<'a> Search<'a> {
             return;
         }
         self.damping[run.clone()].fill(if damping > LEAST_DAMPING { 0.25 * damping } else { 0.0 });
+        if damping > 0.0 {
+            // A damped step is short for that alone.
+            self.active[run.clone()].fill(true);
+        }
         self.points[seen].copy_from_slice(&points);
         self.intervals.splice(touched, intervals);
         for (point, _) in (run.start..).zip(&steps).filter(|(_, step)| moved(step)) {

@@ -144,6 +144,17 @@ impl Prepared {
         joints.iter().all(is_same).then(|| Arc::clone(&known.shape))
     }
 
+    /// Returns how the ground slopes that the clip was walked on.
+    pub fn ground(&self) -> GroundSlope {
+        self.slope
+    }
+
+    /// Takes the ground to slope like this, and not as the feet stand: a pose that lifts a foot tilts no ground.
+    #[must_use]
+    pub fn on_ground(self, slope: GroundSlope) -> Self {
+        Self { slope, ..self }
+    }
+
     /// Returns the number of frames of the clip.
     pub fn n_frames(&self) -> usize {
         self.n_frames
@@ -328,8 +339,8 @@ impl PreparedPlant {
                 // What the carrier's own motion made of the same step is the foot's own slide.
                 let added = |from: usize, to: usize| {
                     let (was, is) = (&own_feet[from], &own_feet[to]);
-                    let contact = Contact::of(was, is);
-                    contact.step(&feet[from], &feet[to]) - contact.step(was, is)
+                    let of = |contact: Contact| contact.step(&feet[from], &feet[to]) - contact.step(was, is);
+                    of(Contact::Ankle).lerp(of(Contact::Toe), Contact::toe_share(was, is))
                 };
                 Slide::new(&plant, feet.len(), frame_time_secs, added)
             }

@@ -69,6 +69,13 @@ impl Contact {
         if moves(Self::Toe) < moves(Self::Ankle) { Self::Toe } else { Self::Ankle }
     }
 
+    /// Returns how far a step is the toe's, from 0 to 1: where ankle and toe move alike, a little of both, so that nothing
+    /// jumps while a pose is dragged.
+    pub(super) fn toe_share(from: &FootAt, to: &FootAt) -> f64 {
+        let [ankle, toe] = [Self::Ankle, Self::Toe].map(|contact| contact.step(from, to).length_squared());
+        if ankle + toe > 0.0 { smootherstep(0.5 + (ankle - toe) / (ankle + toe)) } else { 0.5 }
+    }
+
     /// Returns its horizontal step.
     pub(super) fn step(self, from: &FootAt, to: &FootAt) -> DVec3 {
         self.way(from, to).with_y(0.0)
@@ -80,5 +87,24 @@ impl Contact {
             Self::Ankle => to.ankle.translation - from.ankle.translation,
             Self::Toe => to.toe - from.toe,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rigid;
+    use glam::DQuat;
+
+    #[test]
+    fn a_step_goes_from_ankle_to_toe_without_a_jump() {
+        let at = |ankle: f64, toe: f64| FootAt {
+            ankle: Rigid::new(DQuat::IDENTITY, DVec3::X * ankle),
+            toe: DVec3::new(toe, 0.0, 1.0),
+        };
+        let share = |ankle: f64, toe: f64| Contact::toe_share(&at(0.0, 0.0), &at(ankle, toe));
+        assert_eq!((share(1.0, 0.5), share(0.5, 1.0), share(0.0, 0.0)), (1.0, 0.0, 0.5));
+        let shares: Vec<f64> = (0..=1000).map(|n| share(1.0, 0.5 + 1e-3 * f64::from(n))).collect();
+        assert!(shares.is_sorted_by(|a, b| a >= b) && shares.windows(2).all(|w| w[0] - w[1] < 5e-3));
     }
 }

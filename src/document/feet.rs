@@ -132,6 +132,21 @@ pub(super) fn prepared(
     Prepared::new(posed, own_carrier, &feet, earlier)
 }
 
+/// Returns how the ground slopes under the feet of what walks, without its layers; `height` is the body's.
+pub(super) fn ground(body: &Body, plants: &[FootPlants], height: f64) -> GroundSlope {
+    let tracks = body.tracks();
+    let places = plants.iter().flat_map(|foot| {
+        let middle =
+            |frame: usize| 0.5 * (tracks.position(foot.leg.ankle.idx(), frame) + tracks.position(foot.leg.toe, frame));
+        foot.plants.iter().filter(|plant| plant.first < tracks.n_frames()).map(move |plant| {
+            let frames = plant.first..(plant.last + 1).min(tracks.n_frames());
+            let n = frames.len() as f64;
+            frames.map(middle).sum::<DVec3>() / n
+        })
+    });
+    GroundSlope::under(&places.collect::<Vec<_>>(), height)
+}
+
 /// Returns the points that are measured: ankle and toe of each leg.
 pub(super) fn measured_points(plants: &[FootPlants]) -> Vec<usize> {
     plants.iter().flat_map(|foot| [foot.leg.ankle.idx(), foot.leg.toe]).collect()

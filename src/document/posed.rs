@@ -150,7 +150,8 @@ impl Posed {
                 let own = |range: Range<usize>| range.map(|frame| residuals.apply(frame, &path[frame]));
                 let own_carrier = if displaced.moves_carrier() { listed(path.len(), own) } else { Vec::new() };
                 let earlier = previous.map(|p| &*p.posed.prepared);
-                feet::prepared(&legs, &own_carrier, &walked.plants, edits.plants.clean, earlier)
+                let ground = feet::ground(&walked.body, &walked.plants, walked.clip.facts.height.value);
+                feet::prepared(&legs, &own_carrier, &walked.plants, edits.plants.clean, earlier).on_ground(ground)
             },
         );
         let joints = turning_joints(&walked.clip, &prepared, &displaced);

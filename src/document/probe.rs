@@ -6,6 +6,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use crate::sync::side_by_side;
+
 /// A little turn, radians: large enough for what it does to stand out from how exactly the offset is searched. Where a
 /// shorter step was too long, as long as the next one.
 const LITTLE: f64 = 0.01;
@@ -47,9 +49,14 @@ impl Probe {
         Self { n_joints, height, largest_step: LARGEST_STEP, ways: Vec::new() }
     }
 
+    /// Returns one that knows nothing.
+    pub(super) fn anew(&self) -> Self {
+        Self { ways: Vec::new(), ..*self }
+    }
+
     /// Returns one that goes in shorter steps and knows nothing.
     pub(super) fn careful(&self) -> Self {
-        Self { largest_step: CAREFUL_SHARE * self.largest_step, ways: Vec::new(), ..*self }
+        Self { largest_step: CAREFUL_SHARE * self.largest_step, ..self.anew() }
     }
 
     /// Tells whether anything was learned so far.
@@ -61,13 +68,13 @@ impl Probe {
     ///
     /// `turned` tries turns of the joints, one for each, on the right of their local rotations; none where they cannot
     /// be made. What is not known is found out, and one step tried, however few tries there are.
-    pub(super) fn nearest<T>(
+    pub(super) fn nearest<T: Send + Sync>(
         &mut self,
         from: Tried<T>,
         target: DVec3,
         accuracy: f64,
         most_tries: usize,
-        turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>>,
+        turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>> + Sync,
     ) -> Tried<T> {
         let mut best = from;
         let mut radius = self.largest_step;
@@ -115,25 +122,30 @@ impl Probe {
 
     /// Tries a little turn, no longer than a step's radius, of each joint about each axis; returns whether they can be
     /// made.
-    fn learn_all<T>(
+    fn learn_all<T: Send + Sync>(
         &mut self,
         from: &Tried<T>,
         radius: f64,
-        turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>>,
+        turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>> + Sync,
     ) -> bool {
         let little = radius.min(LITTLE);
-        let joint_axes = (0..self.n_joints).flat_map(|joint| DVec3::AXES.map(|axis| (joint, axis)));
-        let way = |(joint, axis): (usize, DVec3)| {
+        let joint_axes: Vec<_> = (0..self.n_joints).flat_map(|joint| DVec3::AXES.map(|axis| (joint, axis))).collect();
+        let way = |&(joint, axis): &(usize, DVec3)| {
             let mut turns = vec![DQuat::IDENTITY; self.n_joints];
             turns[joint] = DQuat::from_axis_angle(axis, little);
             Some((turned(&from.pose, &turns)?.at - from.at) / little)
         };
-        self.ways = joint_axes.map(way).collect::<Option<_>>().unwrap_or_default();
+        let ways = side_by_side(&joint_axes, way);
+        self.ways = ways.into_iter().collect::<Option<_>>().unwrap_or_default();
         self.knows()
     }
 
     /// Learns what turns do around a pose, unless something is known already.
-    pub(super) fn look_around<T>(&mut self, from: &Tried<T>, turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>>) {
+    pub(super) fn look_around<T: Send + Sync>(
+        &mut self,
+        from: &Tried<T>,
+        turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>> + Sync,
+    ) {
         if !self.knows() {
             self.learn_all(from, LITTLE, turned);
         }
@@ -178,6 +190,8 @@ fn rotations(turns: &[DVec3]) -> Vec<DQuat> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
 
     /// A limb of two bones whose top gives way: by a share of where the point is, against it.
@@ -242,14 +256,15 @@ mod tests {
         let nearest = target.length() - 2.0;
         assert!(found.at.distance(target) < nearest + 0.03, "{} for {nearest}", found.at.distance(target));
         for most_tries in 0..20 {
-            let tried = std::cell::Cell::new(0);
+            let tried = AtomicUsize::new(0);
             let count = |limb: &Limb, by: &[DQuat]| {
-                tried.set(tried.get() + 1);
+                tried.fetch_add(1, Ordering::Relaxed);
                 limb.turned(by)
             };
             let found = Probe::new(2, 2.0).nearest(from.clone(), target, 1e-8, most_tries, count);
             assert!(found.at.distance(target) <= from.at.distance(target));
-            assert!(tried.get() <= most_tries.max(7), "{} for {most_tries}", tried.get());
+            let n_tried = tried.into_inner();
+            assert!(n_tried <= most_tries.max(7), "{n_tried} for {most_tries}");
         }
         // Where no turn can be made nothing is.
         assert_eq!(Probe::new(2, 2.0).nearest(from.clone(), target, 1e-8, 60, |_, _| None).at, from.at);

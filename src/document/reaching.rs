@@ -31,12 +31,12 @@ use crate::{
 const TAKES_ON: f64 = 0.5;
 /// Tries of a search on a piece, at most.
 const SEARCH_TRIES: usize = 120;
-/// A search that ends nearer than this share of the body height on a piece may do better on the clip.
+/// A search that ends nearer than this share of the body height may do better from elsewhere or in shorter steps.
 const NEARLY_THERE: f64 = 5e-3;
-/// Frames that are solved to correct on the whole clip what a piece found, about: a long clip is not tried as often.
-const FRAMES_TRIED: usize = 40_000;
 /// Holding moves the carrier by so much at most, about, body heights; by that it may help a point to its target.
 const HOLDING_HELPS: f64 = 0.03;
+/// A target farther than this from what a straight chain reaches, body heights, is taken to be just as far.
+const MOST_HELP: f64 = 0.1;
 /// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
 const BODY_CORRECTIONS: usize = 8;
 
@@ -176,7 +176,7 @@ impl Wish<'_> {
         let best = best.filter(|best| best.at.distance(to) < now.at.distance(to)).unwrap_or(now);
         let missing = best.at.distance(to) / self.height();
         if (THERE_ON_PIECE..HOLDING_HELPS).contains(&missing) {
-            return Ok(self.searched(piece, best, to, probe));
+            return Ok(self.searched(piece, [&best, &best], to, probe));
         }
         Ok(best)
     }
@@ -214,7 +214,7 @@ impl Wish<'_> {
         let joints = self.chain.iter().map(|joint| world[joint.idx()].translation);
         let places: Vec<DVec3> = joints.chain([self.at(world)]).collect();
         let length: f64 = places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-        places[0] + (target - places[0]).clamp_length_max(length + HOLDING_HELPS * self.height())
+        places[0] + (target - places[0]).clamp_length_max(length + MOST_HELP * self.height())
     }
 
     /// Has the whole clip follow what was found on a piece; what it is off by more than the piece was is corrected.
@@ -227,17 +227,12 @@ impl Wish<'_> {
             Tried { at: self.at(&pose(&made, self.frame_idx)), pose: made }
         };
         let made = in_clip(&found.pose.0, self.solved);
-        let nearly_there = expected < NEARLY_THERE * self.height();
-        let enough = if nearly_there { near } else { near + expected };
+        let enough = near + expected;
         if made.at.distance(to) < enough {
             return made.pose;
         }
         probe.look_around(&found, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
-        let most_tries = match nearly_there {
-            true => (FRAMES_TRIED / self.solved.edited.n_frames()).clamp(DRAFTS, SEARCH_TRIES),
-            false => DRAFTS,
-        };
-        let corrected = probe.nearest(made, to, near, most_tries, |now, turns| {
+        let corrected = probe.nearest(made, to, enough, DRAFTS, |now, turns| {
             let mut edits = (*now.edits).clone();
             self.key(&mut edits, &self.joint_turns(turns)).ok()?;
             Some(in_clip(&edits, now))
@@ -262,7 +257,7 @@ impl Wish<'_> {
             None => self.point,
             Some(site) => skeleton.end_sites()[site].idx(),
         };
-        let mut best = begin;
+        let mut best = begin.clone();
         for _ in 0..CORRECTIONS {
             let seen = &best.pose.1;
             let back = seen.before_holding[end] * seen.held[end].inverse();
@@ -279,31 +274,32 @@ impl Wish<'_> {
                 break;
             }
         }
-        Ok(self.searched(piece, best, to, probe))
+        Ok(self.searched(piece, [&begin, &best], to, probe))
     }
 
     /// Searches a piece for turns of the chain that bring the point to a target, or as near as can be.
     ///
-    /// What holding does may jump between one turn and the next, and keep the search on the wrong side; one that ends
-    /// just short is made again in shorter steps.
-    fn searched(&self, piece: &Piece, begin: OnPiece, to: DVec3, probe: &mut Probe) -> OnPiece {
-        let search = |probe: &mut Probe, begin: OnPiece| {
-            probe.nearest(begin, to, THERE_ON_PIECE * self.height(), SEARCH_TRIES, |now, turns| {
+    /// What holding does may bend sharply between one turn and the next, and keep the search on the wrong side: one that
+    /// ends just short is made again in shorter steps, and then from the pose that was seen, if it is another.
+    fn searched(&self, piece: &Piece, [seen, begin]: [&OnPiece; 2], to: DVec3, probe: &mut Probe) -> OnPiece {
+        let search = |probe: &mut Probe, begin: &OnPiece| {
+            probe.nearest(begin.clone(), to, THERE_ON_PIECE * self.height(), SEARCH_TRIES, |now, turns| {
                 self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok()
             })
         };
-        let found = search(probe, begin.clone());
-        let missing = found.at.distance(to);
-        if !(THERE_ON_PIECE..NEARLY_THERE).contains(&(missing / self.height())) {
-            return found;
+        let mut best = search(probe, begin);
+        for (from, again) in [(begin, probe.careful()), (seen, probe.anew())] {
+            let missing = best.at.distance(to);
+            if !(THERE_ON_PIECE..NEARLY_THERE).contains(&(missing / self.height())) {
+                break;
+            }
+            let mut again = again;
+            let tried = search(&mut again, from);
+            if tried.at.distance(to) < missing {
+                (best, *probe) = (tried, again);
+            }
         }
-        let mut careful = probe.careful();
-        let again = search(&mut careful, begin);
-        if again.at.distance(to) < missing {
-            *probe = careful;
-            return again;
-        }
-        found
+        best
     }
 
     fn joint_turns(&self, turns: &[DQuat]) -> Vec<JointTurn> {

@@ -7,7 +7,7 @@ mod halves;
 
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-pub use halves::{both, each, halves, listed, pooled};
+pub use halves::{both, each, halves, listed, pooled, side_by_side};
 
 /// A place for one value, shared by clones.
 #[derive(Debug)]

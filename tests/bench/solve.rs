@@ -125,6 +125,7 @@ fn poses(start: &Solved, wanted: &str) {
         ("a key moves a hand, the whole chain to the root", body.to_owned()),
         ("a key moves a foot that is held", leg.to_owned()),
         ("a key moves a foot, the whole chain to the root", "gcgsgcgcgr".to_owned()),
+        ("a key moves a foot at its leg's full length", format!("gcgsgcgcgr{}", "Y".repeat(20))),
         ("a key turns the chest", "gcgce".to_owned()),
         ("a key moves the carrier", String::new()),
         ("a key moves a hand, Euler cubic, all keyed", format!("{keyed}BiBi{arm}")),
