@@ -101,23 +101,26 @@ impl Wish {
     #[inline]
     pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
         let (along, length) = self.stretched(offset);
-        // A knee's bend is about twice the root of half the share by which its leg is short of straight. A leg longer than
-        // that goes on as steeply: where a force is not the slope of its cost, no step is right and the search stops.
-        let short = |d: f64| 1.0 - d / self.length + STRAIGHT;
-        let root = |short: f64| short.max(0.5 * STRAIGHT).sqrt();
-        let (was, is) = (root(short(self.reach)), root(short(length)));
-        let beyond = (0.5 * STRAIGHT - short(length)).max(0.0);
-        let turn = SQRT_2 * self.length * (was - is + 0.5 * beyond / is);
+        // A knee's bend is about twice the root of half the share by which its leg is short of straight. Past straight the
+        // force stays as it is there; where it were not the slope of its cost, no step would be right and the search stop.
+        let root = |d: f64| (1.0 - d / self.length + STRAIGHT).max(0.5 * STRAIGHT).sqrt();
+        let (was, is) = (root(self.reach), root(length));
+        let past = (length - (1.0 + 0.5 * STRAIGHT) * self.length).max(0.0);
+        let turn = SQRT_2 * self.length * (was - is);
         let slope = FRAC_1_SQRT_2 / is;
         let weight = share * self.weight;
         let force = weight * slope * turn;
         // On the way to straight a knee turns ever faster. Where that doubles the spring's stiffness, the spring alone would
-        // have every step come back farther than it went.
-        let faster = if beyond > 0.0 { 0.0 } else { turn * slope / self.length };
-        let stiffness = weight * slope * slope * if faster > 1.0 { 1.0 + faster } else { 1.0 };
+        // have every step come back farther than it went. Past straight it is as long as it takes to where it is at rest.
+        let faster = turn * slope / self.length;
+        let stiffness = if past > 0.0 {
+            force / (length - self.reach).max(past)
+        } else {
+            weight * slope * slope * if faster > 1.0 { 1.0 + faster } else { 1.0 }
+        };
         let across = self.moves.x * self.moves.x * force.max(0.0) / length;
         cost.add(self.moves * along, stiffness, across, force);
-        cost.value += weight * turn * turn;
+        cost.value += weight * turn * (turn + 2.0 * slope * past);
     }
 
     /// Adds the price of a leg that is too long.

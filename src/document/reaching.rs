@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::{
     Edits, LayerRefusal, Solved,
@@ -28,7 +28,11 @@ use crate::{
 };
 
 /// A correction that leaves more than this share of what was missing does not take the point on.
-const TAKES_ON: f64 = 0.5;
+const TAKES_ON: f64 = 0.8;
+/// A foot is aimed at most so many times as far as it is to go.
+const MOST_AHEAD: f64 = 4.0;
+/// A foot that goes on by less than this share of where it is aimed says nothing of how to aim it.
+const LEAST_GOES_ON: f64 = 0.05;
 /// Tries of a search on a piece, at most.
 const SEARCH_TRIES: usize = 120;
 /// A search that ends nearer than this share of the body height may do better from elsewhere or in shorter steps.
@@ -36,7 +40,7 @@ const NEARLY_THERE: f64 = 5e-3;
 /// Holding moves the carrier by so much at most, about, body heights; by that it may help a point to its target.
 const HOLDING_HELPS: f64 = 0.03;
 /// A target farther than this from what a straight chain reaches, body heights, is taken to be just as far.
-const MOST_HELP: f64 = 0.1;
+const MOST_HELP: f64 = 0.06;
 /// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
 const BODY_CORRECTIONS: usize = 8;
 
@@ -258,11 +262,22 @@ impl Wish<'_> {
             Some(site) => skeleton.end_sites()[site].idx(),
         };
         let mut best = begin.clone();
+        // How much farther than it is to go the point has to be aimed, by all that holding did so far (C. Broyden, 1965).
+        let mut ahead = DMat3::IDENTITY;
         for _ in 0..CORRECTIONS {
             let seen = &best.pose.1;
             let back = seen.before_holding[end] * seen.held[end].inverse();
-            let turns = self.turns(&self.chain, &seen.before_holding, back.point(to));
+            let missing = to - best.at;
+            let step = (ahead * missing).clamp_length_max(MOST_AHEAD * missing.length());
+            let turns = self.turns(&self.chain, &seen.before_holding, back.point(best.at + step));
             let tried = self.turned_on_piece(piece, &best.pose, &turns)?;
+            let went = tried.at - best.at;
+            let row = ahead.transpose() * step;
+            let along = row.dot(went);
+            if along.abs() > LEAST_GOES_ON * step.length_squared() {
+                let wrong = (step - ahead * went) / along;
+                ahead += DMat3::from_cols(wrong * row.x, wrong * row.y, wrong * row.z);
+            }
             let (was, is) = (best.at.distance(to), tried.at.distance(to));
             if is < was {
                 best = tried;

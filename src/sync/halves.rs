@@ -60,7 +60,7 @@ pub fn each<A: Sync, T: Send>(things: &[A], n_frames: usize, make: impl Fn(usize
 
 /// Makes something of each of a few things, side by side; each is worth a thread.
 pub fn side_by_side<A: Sync, T: Send>(things: &[A], make: impl Fn(&A) -> T + Sync) -> Vec<T> {
-    things.par_iter().with_max_len(1).map(|thing| make(thing)).collect()
+    things.par_iter().with_max_len(1).map(&make).collect()
 }
 
 #[cfg(test)]
