@@ -22,6 +22,13 @@ const LIMIT_MARGIN: f64 = 2e-4;
 /// Added to the share by which a leg is short of straight, so that no knee turns infinitely fast.
 const STRAIGHT: f64 = 2e-3;
 
+/// Returns how far the knee of a leg of this length is bent when its hip and ankle are that far apart: about twice this
+/// is the angle, because it is the root of half the share by which a leg is short of straight.
+#[inline]
+pub(super) fn bend(reach: f64, length: f64) -> f64 {
+    (1.0 - reach / length + STRAIGHT).max(0.5 * STRAIGHT).sqrt()
+}
+
 /// What one leg asks of the carrier at one frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wish {
@@ -29,8 +36,8 @@ pub(super) struct Wish {
     pub(super) leg: DVec3,
     /// Share of the offset that lengthens the leg, by axis: less than 1 where the foot follows.
     pub(super) moves: DVec3,
-    /// Distance from hip to ankle to be kept.
-    pub(super) reach: f64,
+    /// How far the knee is to be bent, [`bend`].
+    pub(super) bend: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
     /// Price of turning the knee.
@@ -101,10 +108,8 @@ impl Wish {
     #[inline]
     pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
         let (along, length) = self.stretched(offset);
-        // A knee's bend is about twice the root of half the share by which its leg is short of straight.
-        let root = |d: f64| (1.0 - d / self.length + STRAIGHT).max(0.5 * STRAIGHT).sqrt();
-        let (was, is) = (root(self.reach), root(length));
-        let turn = SQRT_2 * self.length * (was - is);
+        let is = bend(length, self.length);
+        let turn = SQRT_2 * self.length * (self.bend - is);
         let slope = FRAC_1_SQRT_2 / is;
         let weight = share * self.weight;
         let force = weight * slope * turn;
@@ -138,7 +143,7 @@ mod tests {
 
     fn wish() -> Wish {
         let leg = DVec3::new(0.1, 0.85, -0.12);
-        Wish { leg, moves: DVec3::new(0.7, 0.9, 0.7), reach: 0.8, length: 0.9, weight: 0.6, limit: 0.82 }
+        Wish { leg, moves: DVec3::new(0.7, 0.9, 0.7), bend: bend(0.8, 0.9), length: 0.9, weight: 0.6, limit: 0.82 }
     }
 
     /// Checks that the force is half the slope of the cost, downhill, by finite differences.
@@ -167,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_leg_that_is_right_pulls_nowhere_and_a_leg_of_no_length_gives_no_nan() {
-        let right = Wish { reach: wish().leg.length(), ..wish() };
+        let right = Wish { bend: bend(wish().leg.length(), wish().length), ..wish() };
         let mut cost = Cost::default();
         right.add_knee(DVec3::ZERO, 1.0, &mut cost);
         assert!(cost.force.length() < 1e-12 && cost.value < 1e-24);

@@ -270,10 +270,11 @@ fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[R
     let (place, foot) = (place / n, foot / n);
     let upright = heading_rotation(yaw / n);
     let mut rotation = upright;
-    if job.ground == Ground::Ramp {
+    let tilt_rad = tilt(over_path / n, over_ground / n);
+    if job.ground == Ground::Ramp && tilt_rad != 0.0 {
         let along = heading_rotation(heading / n);
         // A turn about X takes Z down, so a slope up is a negative one.
-        rotation = along * DQuat::from_rotation_x(-tilt(over_path / n, over_ground / n)) * along.conjugate() * upright;
+        rotation = along * DQuat::from_rotation_x(-tilt_rad) * along.conjugate() * upright;
     }
     let mut motion = Rigid::new(rotation, place - rotation * foot);
     let way = passing.gives_way(&motion);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Prepared,
-    bend::{Bend, freedom},
+    bend::{Bend, HeldFoot, freedom},
     cost::Wish,
     feet::{self, FootPlan},
     level::lifts,
@@ -57,12 +57,14 @@ pub struct Job<'a> {
 }
 
 /// An edit whose feet stay where they stand.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Held {
     /// Where the carrier is at each frame, world.
     pub carrier: Vec<Rigid>,
     /// Local rotations of hip, knee and ankle of every leg held, by frame.
     pub turned: Vec<TurnedJoint>,
+    /// Where that has ankle and toe of every leg held, world.
+    pub feet: Vec<HeldFoot>,
     /// Where the feet stand, leg by leg in order of time.
     pub footprints: Vec<Footprint>,
     /// Plants that could not be reached.
@@ -142,6 +144,7 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     });
     for (idx, (leg, bent)) in prepared.legs.iter().zip(bent).enumerate() {
         held.turned.extend(bent.turned);
+        held.feet.push(bent.foot);
         for (plant, frame, by) in bent.missed {
             held.miss(idx, leg, plant, frame, by);
         }
@@ -187,7 +190,7 @@ impl Ask {
             .map(|(((carrier, frame), foot), &free)| Wish {
                 leg: carrier.point(frame.hip) - foot.ankle.translation,
                 moves: DVec3::ONE - foot.follows,
-                reach: frame.reach,
+                bend: frame.bend,
                 length: frame.length,
                 weight: 1.0 + free * (SWING_WEIGHT - 1.0),
                 // Nor may a leg be too long just before it is planted and just after, where it is not free yet.

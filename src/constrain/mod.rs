@@ -25,6 +25,7 @@ mod offset;
 mod prepared;
 mod slide;
 
+pub use bend::HeldFoot;
 pub use hold::{Footprint, Ground, Held, Job, Missed, hold};
 pub use offset::knot_frames;
 pub use prepared::Prepared;

@@ -5,11 +5,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use wide::f64x4;
 
-use super::slide::{Contact, Slide};
+use super::{
+    cost::bend,
+    slide::{Contact, Slide},
+};
 use crate::{
     contact::{FootPlants, GroundSlope, Plant, PlantMode},
     math::{
-        Rigid,
+        Limbs, Rigid,
         lanes::{LANES, QuatLanes, RigidLanes, VecLanes},
     },
     motion::{Clip, EditedClip, Leg},
@@ -82,6 +85,8 @@ pub(super) struct LegFrame {
     pub(super) hip: DVec3,
     /// Distance from hip to ankle.
     pub(super) reach: f64,
+    /// How far the knee is bent by that.
+    pub(super) bend: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
     pub(super) ankle: Rigid,
@@ -91,19 +96,17 @@ pub(super) struct LegFrame {
 /// How one leg is bent at four frames, the last ones of a clip repeated; in the carrier's space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPoses {
-    /// From hip to knee.
-    pub(super) thigh: VecLanes,
-    /// From knee to ankle.
-    pub(super) shin: VecLanes,
-    /// Unit axis of the knee.
-    pub(super) hinge: VecLanes,
-    /// Of the joint above the hip.
+    pub(super) limbs: Limbs,
+    pub(super) hip: VecLanes,
+    /// Rotation of the joint above the hip.
     pub(super) hip_parent: QuatLanes,
     /// Of the hip itself.
     pub(super) hip_rotation: QuatLanes,
     pub(super) knee_parent: QuatLanes,
     pub(super) knee_rotation: QuatLanes,
     pub(super) ankle_parent: QuatLanes,
+    /// From ankle to toe, in the ankle's own space.
+    pub(super) toe: VecLanes,
 }
 
 impl Prepared {
@@ -258,6 +261,7 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
     let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
     let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| rigids[joint.idx()].translation);
     let (thigh, shin) = (knee.minus(hip), ankle.minus(knee));
+    let ankle_rotation = rotation(leg.ankle.idx());
     let toe = match leg.toe.checked_sub(skeleton.n_joints()) {
         None => rigids[leg.toe].translation,
         Some(site) => {
@@ -268,24 +272,24 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
     };
     let reach = hip.minus(ankle).length().to_array();
     let length = (thigh.length() + shin.length()).to_array();
-    let ankle_rotation = rotation(leg.ankle.idx()).lanes();
-    let (hips, ankles, toes) = (hip.lanes(), ankle.lanes(), toe.lanes());
+    let (hips, ankles, toes, ankle_rotations) = (hip.lanes(), ankle.lanes(), toe.lanes(), ankle_rotation.lanes());
     let frames = std::array::from_fn(|lane| LegFrame {
         hip: hips[lane],
         reach: reach[lane],
+        bend: bend(reach[lane], length[lane]),
         length: length[lane],
-        ankle: Rigid::new(ankle_rotation[lane], ankles[lane]),
+        ankle: Rigid::new(ankle_rotations[lane], ankles[lane]),
         toe: toes[lane],
     });
     let poses = LegPoses {
-        thigh,
-        shin,
-        hinge: thigh.normalized().cross(shin.normalized()),
+        limbs: Limbs::new(thigh, shin, thigh.normalized().cross(shin.normalized())),
+        hip,
         hip_parent: parent(leg.hip.idx()),
         hip_rotation: rotation(leg.hip.idx()),
         knee_parent: parent(leg.knee.idx()),
         knee_rotation: rotation(leg.knee.idx()),
         ankle_parent: parent(leg.ankle.idx()),
+        toe: ankle_rotation.conjugate().rotate(toe.minus(ankle)),
     };
     (frames, poses)
 }
@@ -293,16 +297,18 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
 /// Makes the hinges of a clip's frames unit axes: what the bend shows where there is one, what is usual for the thigh
 /// where there is none.
 fn set_hinges(poses: &mut [LegPoses], n_frames: usize) {
-    let shown = poses.iter().flat_map(|p| p.hip_rotation.conjugate().rotate(p.hinge).lanes());
+    let shown = poses.iter().flat_map(|p| p.hip_rotation.conjugate().rotate(p.limbs.hinge).lanes());
     let sum: DVec3 = shown.take(n_frames).sum();
     // A leg that never bends may bend about anything that is across it.
-    let across = |p: &LegPoses| p.hip_rotation.conjugate().rotate(p.thigh).lanes()[0].any_orthonormal_vector();
+    let across = |p: &LegPoses| p.hip_rotation.conjugate().rotate(p.limbs.thigh).lanes()[0].any_orthonormal_vector();
     let usual = VecLanes::splat(sum.try_normalize().unwrap_or_else(|| across(&poses[0])));
     for pose in poses {
         let usual = pose.hip_rotation.rotate(usual);
-        let is_shown = pose.hinge.dot(usual).simd_gt(f64x4::ZERO);
-        let shown = pose.hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
-        pose.hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
+        let Limbs { thigh, shin, hinge, .. } = pose.limbs;
+        let is_shown = hinge.dot(usual).simd_gt(f64x4::ZERO);
+        let shown = hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
+        let hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
+        pose.limbs = Limbs::new(thigh, shin, hinge);
     }
 }
 

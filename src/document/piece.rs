@@ -108,8 +108,7 @@ impl<'a> Piece<'a> {
         let path = &self.path[..];
         let own = |at: usize| self.residuals.apply(at, &original[at]);
         let carried = |at: usize| {
-            let turn = path[at].rotation(self.residuals.frame);
-            displaced.carrier(at, self.residuals.apply(at, &path[at]), turn)
+            displaced.carrier(at, self.residuals.apply(at, &path[at]), || path[at].rotation(self.residuals.frame))
         };
 
         let is_leg = |joint: JointId| !self.solved.posed.is_free(joint);

@@ -173,7 +173,7 @@ impl Posed {
 
     /// Returns where the carrier is at a frame of what walks, `at` being the path's frame there.
     pub(super) fn carrier(&self, frame: usize, at: &PathFrame) -> Rigid {
-        self.displaced.carrier(frame, self.residuals.apply(frame, at), at.rotation(self.residuals.frame))
+        self.displaced.carrier(frame, self.residuals.apply(frame, at), || at.rotation(self.residuals.frame))
     }
 
     /// Takes the layers' part out of where a carrier is.
@@ -188,7 +188,7 @@ impl Posed {
             let own = if self.base.motions.is_empty() { loaded.carrier } else { &self.base.motions };
             let frames = own.iter().zip(loaded.original.frames()).enumerate();
             let place = |(f, (&own, at)): (usize, (&Rigid, &PathFrame))| {
-                self.displaced.carrier(f, own, at.rotation(self.residuals.frame))
+                self.displaced.carrier(f, own, || at.rotation(self.residuals.frame))
             };
             edited.carrier_world = frames.map(place).collect();
         }
@@ -304,7 +304,7 @@ pub(super) fn legs_posed(
 ) -> EditedClip {
     let place = |frame: usize| {
         let at = &path[frame];
-        displaced.carrier(frame, residuals.apply(frame, at), at.rotation(residuals.frame))
+        displaced.carrier(frame, residuals.apply(frame, at), || at.rotation(residuals.frame))
     };
     let is_placed = clip.facts.path_editable && (displaced.moves_carrier() || moves_otherwise);
     EditedClip {

@@ -8,7 +8,7 @@ mod two_bone;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use two_bone::TwoBones;
+pub(crate) use two_bone::Limbs;
 pub use two_bone::{Turns, TwoBone, shortest_arc};
 
 /// A rotation followed by a translation.
@@ -55,8 +55,8 @@ impl std::ops::Mul for Rigid {
 
 /// Returns the heading of a direction, radians in (−π, π]; none where it has no horizontal part.
 pub fn heading_rad(direction: DVec3) -> Option<f64> {
-    let flat = direction.x.hypot(direction.z);
-    (flat > 0.0 && flat.is_finite()).then(|| direction.x.atan2(direction.z))
+    let DVec3 { x, z, .. } = direction;
+    ((x != 0.0 || z != 0.0) && x.is_finite() && z.is_finite()).then(|| x.atan2(z))
 }
 
 /// Returns the rotation about up that turns +Z to this heading.
@@ -84,6 +84,9 @@ pub fn rotation_vector_between(from: DQuat, to: DQuat) -> DVec3 {
 /// Brings an angle into (−π, π].
 pub fn wrap_rad(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
+    if -PI < angle && angle <= PI {
+        return angle;
+    }
     let wrapped = (angle + PI).rem_euclid(TAU) - PI;
     if wrapped <= -PI { wrapped + TAU } else { wrapped }
 }

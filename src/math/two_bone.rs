@@ -41,12 +41,23 @@ pub struct Turns {
     pub reached: DVec3,
 }
 
-/// Four of [`TwoBone`].
-pub(crate) struct TwoBones {
+/// Four legs as they are bent, and what of the turns does not hang on where they should end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limbs {
     pub(crate) thigh: VecLanes,
     pub(crate) shin: VecLanes,
     pub(crate) hinge: VecLanes,
-    pub(crate) target: VecLanes,
+    /// `n × v`.
+    across: VecLanes,
+    /// `v·n`.
+    along_shin: f64x4,
+    /// `(|u|² + |v|²) / 2 + A`.
+    longest: f64x4,
+    /// One over the radius of B and C; 0 where no bend changes the length.
+    inverse: f64x4,
+    /// Cosine and sine of the bend as it is.
+    cos_was: f64x4,
+    sin_was: f64x4,
 }
 
 /// Four of [`Turns`].
@@ -60,34 +71,39 @@ impl TwoBone {
     /// Finds the turns; a target out of reach is approached as far as the leg is long.
     pub fn solve(&self) -> Turns {
         let [thigh, shin, hinge, target] = [self.thigh, self.shin, self.hinge, self.target].map(VecLanes::splat);
-        let turns = TwoBones { thigh, shin, hinge, target }.solve();
+        let turns = Limbs::new(thigh, shin, hinge).reach(target);
         Turns { knee: turns.knee.lanes()[0], hip: turns.hip.lanes()[0], reached: turns.reached.lanes()[0] }
     }
 }
 
-impl TwoBones {
-    /// Finds the turns of all four.
-    #[inline(always)]
-    pub(crate) fn solve(&self) -> TurnLanes {
-        let Self { thigh: u, shin: v, hinge: n, target } = *self;
-        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
-        let across = n.cross(v);
-        let along_v = v.dot(n);
-        let along = u.dot(n) * along_v;
-        let (b, c) = (u.dot(v) - along, u.dot(across));
+impl Limbs {
+    /// Takes legs as in [`TwoBone`].
+    pub(crate) fn new(thigh: VecLanes, shin: VecLanes, hinge: VecLanes) -> Self {
+        let across = hinge.cross(shin);
+        let along_shin = shin.dot(hinge);
+        let along = thigh.dot(hinge) * along_shin;
+        let (b, c) = (thigh.dot(shin) - along, thigh.dot(across));
         let radius = (b * b + c * c).sqrt();
-        let bends = radius.simd_gt(zero);
-        let inverse = bends.bitselect(one / radius, zero);
-        let wanted = f64x4::splat(0.5) * (target.length_squared() - u.length_squared() - v.length_squared());
-        // cos and sin of the bend as it is and as it has to be.
-        let (cos_was, sin_was) = (b * inverse, -c * inverse);
-        let cos = ((wanted - along) * inverse).fast_max(-one).fast_min(one);
+        let inverse = radius.simd_gt(f64x4::ZERO).bitselect(f64x4::ONE / radius, f64x4::ZERO);
+        let longest = f64x4::splat(0.5) * (thigh.length_squared() + shin.length_squared()) + along;
+        Self { thigh, shin, hinge, across, along_shin, longest, inverse, cos_was: b * inverse, sin_was: -c * inverse }
+    }
+
+    /// Finds the turns that take the legs' ends to these places, seen from the hips.
+    #[inline(always)]
+    pub(crate) fn reach(&self, target: VecLanes) -> TurnLanes {
+        let Self { shin: v, hinge: n, cos_was, sin_was, .. } = *self;
+        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
+        let bends = self.inverse.simd_gt(zero);
+        let wanted = f64x4::splat(0.5) * target.length_squared() - self.longest;
+        let cos = (wanted * self.inverse).fast_max(-one).fast_min(one);
         let sin = (one - cos * cos).sqrt();
         let cos_turn = bends.bitselect(cos * cos_was + sin * sin_was, one);
         let sin_turn = bends.bitselect(sin * cos_was - cos * sin_was, zero);
         let knee = about(n, cos_turn, sin_turn);
-        let turned = v.scaled(cos_turn).plus(across.scaled(sin_turn)).plus(n.scaled(along_v * (one - cos_turn)));
-        let reached = u.plus(turned);
+        let on_hinge = n.scaled(self.along_shin * (one - cos_turn));
+        let turned = v.scaled(cos_turn).plus(self.across.scaled(sin_turn)).plus(on_hinge);
+        let reached = self.thigh.plus(turned);
         let hip = shortest_arcs(reached, target);
         TurnLanes { knee, hip, reached: hip.rotate(reached) }
     }
