@@ -173,7 +173,7 @@ impl Bend<'_> {
         let half = (DRAW_SECS / self.frame_time_secs).round().max(1.0) as usize;
         let mut drawn_in = Vec::new();
         let squares = wanted.iter().flat_map(|wanted| wanted.length_squared().to_array());
-        for (frame, (square, source)) in squares.zip(&self.leg.shape.frames[..n]).enumerate() {
+        for (frame, (square, source)) in squares.zip(&self.leg.frames[..n]).enumerate() {
             let most = source.swing_limit();
             if self.free[frame] == 0.0 || square <= most * most {
                 continue;

@@ -22,6 +22,7 @@ mod give;
 mod hold;
 mod level;
 mod offset;
+mod passage;
 mod prepared;
 mod slide;
 

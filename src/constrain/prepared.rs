@@ -7,6 +7,7 @@ use wide::f64x4;
 
 use super::{
     cost::bend,
+    passage::along_ground,
     slide::{Contact, Slide},
 };
 use crate::{
@@ -27,6 +28,9 @@ const USUAL_HINGE: f64 = 0.05;
 /// A leg shorter than this share of the body height is none.
 const SHORTEST_LEG: f64 = 1e-3;
 
+/// A leg that layers lengthen is to be no longer than this share of its length, unless it is in the source.
+const LONGEST: f64 = 0.98;
+
 /// A source clip with its legs and plants, ready to be held on any path.
 #[derive(Clone, Debug)]
 pub struct Prepared {
@@ -35,7 +39,7 @@ pub struct Prepared {
     pub(super) frame_time_secs: f64,
     /// Body height `H`, clip's unit.
     pub(super) height: f64,
-    /// What takes the carrier of each frame to the origin.
+    /// What takes the carrier of each frame to the origin, where layers do not move but turn it.
     pub(super) to_origin: Vec<Rigid>,
     pub(super) legs: Vec<PreparedLeg>,
     /// Of the ground in the source.
@@ -47,7 +51,10 @@ pub struct Prepared {
 pub(super) struct PreparedLeg {
     pub(super) leg: Leg,
     pub(super) shape: Arc<LegShape>,
-    /// Where its foot is, as many frames as the shape has.
+    /// The shape's, but for how long the leg is to be: where layers move the carrier it is as long as from there to a
+    /// foot that stands.
+    pub(super) frames: Arc<Vec<LegFrame>>,
+    /// Where its foot is where layers do not move but turn the carrier, as many frames.
     pub(super) feet: Vec<FootAt>,
     pub(super) plants: Vec<PreparedPlant>,
 }
@@ -55,7 +62,7 @@ pub(super) struct PreparedLeg {
 /// A leg as the clip bends it, wherever the carrier is: in the carrier's space throughout.
 #[derive(Debug)]
 pub(super) struct LegShape {
-    pub(super) frames: Vec<LegFrame>,
+    pub(super) frames: Arc<Vec<LegFrame>>,
     /// The same, four by four.
     pub(super) poses: Vec<LegPoses>,
 }
@@ -115,8 +122,9 @@ impl Prepared {
     /// `feet` are the legs to hold with their plants. Legs without plants, legs whose joints do not hang below the
     /// carrier or cannot be turned, and legs without length are left out.
     ///
-    /// `own_carrier` is where the carrier would be if layers did not move it, at every frame; empty if they do not. A
-    /// carrier that layers move takes its feet along to where they stand, but does not let them slide.
+    /// `own_carrier` is where the carrier would be if layers neither moved nor turned it, at every frame; empty if they
+    /// do not. A carrier that layers move takes its feet along the ground to where they stand and one that they turn
+    /// takes them with it, but neither lets them slide.
     ///
     /// `earlier` lends the legs that are bent as they were; the result is the same without it.
     pub fn new(posed: &Arc<EditedClip>, own_carrier: &[Rigid], feet: &[FootPlants], earlier: Option<&Self>) -> Self {
@@ -124,7 +132,7 @@ impl Prepared {
         let n_frames = clip.n_frames();
         let height = clip.facts.height.value;
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
-        let to_origin = listed(n_frames, |frames| frames.map(|frame| posed.carrier(frame).inverse()));
+        let to_origin = listed(n_frames, |frames| frames.map(|frame| turned(posed, own_carrier, frame).inverse()));
         let mut legs = each(&held, n_frames, |_, foot| {
             let lent = earlier.and_then(|earlier| earlier.shape_of(&foot.leg, posed));
             PreparedLeg::new(foot, lent.unwrap_or_else(|| Arc::new(LegShape::of(posed, &foot.leg))), posed, own_carrier)
@@ -173,14 +181,27 @@ impl PreparedLeg {
     fn new(foot: &FootPlants, shape: Arc<LegShape>, posed: &EditedClip, own_carrier: &[Rigid]) -> Self {
         let clip = &*posed.clip;
         let n_frames = shape.frames.len();
-        let feet: Vec<FootAt> = (0..).zip(&shape.frames).map(|(f, leg)| leg.foot_at(&posed.carrier(f))).collect();
-        let own_feet: Vec<FootAt> = shape.frames.iter().zip(own_carrier).map(|(leg, own)| leg.foot_at(own)).collect();
+        let stands = |(f, leg): (usize, &LegFrame)| leg.foot_at(&turned(posed, own_carrier, f));
+        let feet: Vec<FootAt> = shape.frames.iter().enumerate().map(stands).collect();
+        let is_turned = (0..).zip(own_carrier).any(|(f, own)| posed.carrier(f).rotation != own.rotation);
+        let unturned = if is_turned { own_carrier } else { &[] };
+        let own_feet: Vec<FootAt> = shape.frames.iter().zip(unturned).map(|(leg, own)| leg.foot_at(own)).collect();
+        let frames = if own_carrier.is_empty() {
+            Arc::clone(&shape.frames)
+        } else {
+            let moved = |(f, leg): (usize, &LegFrame)| {
+                let carrier = posed.carrier(f);
+                let stands = feet[f].ankle.translation + along_ground(&own_carrier[f], &carrier);
+                leg.as_long_as(carrier.point(leg.hip).distance(stands))
+            };
+            Arc::new(shape.frames.iter().enumerate().map(moved).collect())
+        };
         let plants = (foot.plants.iter())
             .filter(|plant| plant.first < n_frames)
             .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
             .map(|plant| PreparedPlant::new(plant, &feet, clip.frame_time_secs, &own_feet))
             .collect();
-        Self { leg: foot.leg, shape, feet, plants }
+        Self { leg: foot.leg, shape, frames, feet, plants }
     }
 
     /// Tells whether the foot slides in its plants as it did.
@@ -198,7 +219,7 @@ impl LegShape {
         let parts = halves(n_frames, 0, |range| {
             // The first part takes the other up.
             let room = if range.start == 0 { n_frames } else { range.len() };
-            let mut part = Self { frames: Vec::with_capacity(room), poses: Vec::with_capacity(room.div_ceil(LANES)) };
+            let mut part = (Vec::with_capacity(room), Vec::with_capacity(room.div_ceil(LANES)));
             let mut rigids = vec![RigidLanes::identity(); skeleton.n_joints()];
             for at in range.clone().step_by(LANES) {
                 posed.rigids_in_carrier(
@@ -207,27 +228,39 @@ impl LegShape {
                     &mut rigids,
                 );
                 let (frames, poses) = taken(skeleton, leg, &rigids);
-                part.frames.extend(&frames[..LANES.min(range.end - at)]);
-                part.poses.push(poses);
+                part.0.extend(&frames[..LANES.min(range.end - at)]);
+                part.1.push(poses);
             }
             part
         });
         let mut parts = parts.into_iter();
-        let mut shape = parts.next().expect("at least one part");
-        for more in parts {
-            shape.frames.extend(more.frames);
-            shape.poses.extend(more.poses);
+        let (mut frames, mut poses) = parts.next().expect("at least one part");
+        for (more_frames, more_poses) in parts {
+            frames.extend(more_frames);
+            poses.extend(more_poses);
         }
-        set_hinges(&mut shape.poses, n_frames);
-        shape
+        set_hinges(&mut poses, n_frames);
+        Self { frames: Arc::new(frames), poses }
     }
 }
 
 impl LegFrame {
+    /// Returns the same with the leg to be as long as this, or as nearly so as one leaves a knee its bend.
+    fn as_long_as(&self, reach: f64) -> Self {
+        let reach = reach.min(self.reach.max(LONGEST * self.length));
+        Self { reach, bend: bend(reach, self.length), ..*self }
+    }
+
     /// Returns where the foot is when the carrier is there.
     fn foot_at(&self, carrier: &Rigid) -> FootAt {
         FootAt { ankle: *carrier * self.ankle, toe: carrier.point(self.toe) }
     }
+}
+
+/// Returns where the carrier of a frame would be if layers did not move but turn it.
+fn turned(posed: &EditedClip, own_carrier: &[Rigid], frame: usize) -> Rigid {
+    let carrier = posed.carrier(frame);
+    own_carrier.get(frame).map_or(carrier, |own| Rigid { translation: own.translation, ..carrier })
 }
 
 fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
@@ -320,7 +353,7 @@ impl FootAt {
 }
 
 impl PreparedPlant {
-    /// `own_feet` is where the carrier's own motion has the foot; empty when layers do not move the carrier.
+    /// `own_feet` is where the carrier has the foot that layers do not turn; empty if they do not.
     fn new(plant: Plant, feet: &[FootAt], frame_time_secs: f64, own_feet: &[FootAt]) -> Self {
         let stands = &feet[plant.first..=plant.last];
         let sum: DVec3 = stands.iter().map(FootAt::middle).sum();
@@ -331,7 +364,7 @@ impl PreparedPlant {
                 Slide::new(&plant, feet.len(), frame_time_secs, own)
             }
             PlantMode::Hold if !own_feet.is_empty() => {
-                // What the carrier's own motion made of the same step is the foot's own slide.
+                // What the carrier that is not turned makes of the same step is the foot's own slide.
                 let added = |from: usize, to: usize| {
                     let (was, is) = (&own_feet[from], &own_feet[to]);
                     let contact = Contact::of(was, is);

@@ -73,7 +73,8 @@ impl Carriage<'_> {
         for (first, end) in starts.zip(ends) {
             let path = self.whole_cycle(first, end);
             let carrier: Vec<Rigid> = listed(path.len(), |frames| frames.map(|f| self.posed.carrier(f, &path[f])));
-            let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
+            let own = self.posed.own_carrier(&path);
+            let job = Job { carrier: &carrier, own: &own, path: &path, original: self.original, ground };
             append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.legs);
         }
         (edited, holding)

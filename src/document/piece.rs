@@ -9,7 +9,7 @@ use std::{ops::Range, sync::Arc};
 use super::{
     Edits, Solved, feet,
     holding::frames_beyond,
-    posed::{carried_over, legs_posed},
+    posed::{carried_over, legs_posed, own_carrier},
 };
 use crate::{
     constrain::{Job, hold, knot_frames},
@@ -106,7 +106,6 @@ impl<'a> Piece<'a> {
         let (base, walked) = (&self.solved.posed.base, &self.solved.walked);
         let original = &walked.path(&self.solved.original)[self.of_walk.clone()];
         let path = &self.path[..];
-        let own = |at: usize| self.residuals.apply(at, &original[at]);
         let carried = |at: usize| {
             displaced.carrier(at, self.residuals.apply(at, &path[at]), || path[at].rotation(self.residuals.frame))
         };
@@ -114,11 +113,11 @@ impl<'a> Piece<'a> {
         let is_leg = |joint: JointId| !self.solved.posed.is_free(joint);
         let legs =
             Arc::new(legs_posed(&self.clip, &displaced, &self.residuals, original, base.moves_otherwise(), is_leg));
-        let own_carrier: Vec<Rigid> =
-            if displaced.moves_carrier() { (0..path.len()).map(own).collect() } else { Vec::new() };
-        let prepared = feet::prepared(&legs, &own_carrier, &self.plants, self.solved.edits.plants.clean, None);
+        let own = |path: &[PathFrame]| own_carrier(&displaced, &self.residuals, path);
+        let prepared = feet::prepared(&legs, &own(original), &self.plants, self.solved.edits.plants.clean, None);
         let carrier: Vec<Rigid> = (0..path.len()).map(carried).collect();
-        let held = hold(&prepared, &Job { carrier: &carrier, path, original, ground: self.solved.edits.plants.ground });
+        let ground = self.solved.edits.plants.ground;
+        let held = hold(&prepared, &Job { carrier: &carrier, own: &own(path), path, original, ground });
         let is_held = |joint: JointId| held.turned.iter().any(|held| held.joint == joint);
         let laid: Vec<TurnedJoint> = displaced.turned.into_iter().filter(|turned| !is_held(turned.joint)).collect();
         let edited = EditedClip {
