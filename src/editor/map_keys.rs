@@ -2,7 +2,7 @@
 //! keys between which the clip is replaced.
 //!
 //! They sit at file frames, those of the frame of the clip that is seen. Commands are about the selected maps of the
-//! layer in use, or about the active joint's while nothing is selected.
+//! layer in use, or about the active joint's while nothing is selected; the carrier as a joint has two.
 
 use toml::Value;
 

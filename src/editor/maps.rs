@@ -3,12 +3,15 @@
 //! All layers together turn a joint about some axis. A layer that goes from key to key by Euler angles is charted alone
 //! and as it is: by what it adds to each of the joint's channels.
 
+use std::collections::BTreeSet;
+
 use glam::{DQuat, DVec3};
 
 use super::{Editor, Handle, Row, RowKind, TABS, Tab, panel};
 use crate::{
     displace::{MapPoint, PointValue, Selection, Stack, find_joint, joint_name},
     math::rotation_vector_between,
+    motion::Clip,
     skeleton::JointId,
 };
 
@@ -90,18 +93,28 @@ impl Editor {
     }
 
     /// Returns the maps that key commands act on: those selected, or of the handle that keys act on when none is. The
-    /// carrier as a joint has both its maps: it is moved by the one and turned by the other.
+    /// carrier as a joint has both its maps, for it is moved by the one and turned by the other.
     pub fn map_selection(&self) -> Selection {
-        let clip = &self.document.solved().clip;
-        let (skeleton, carrier) = (&clip.skeleton, clip.facts.carrier.value);
         let joints = &self.view.joints;
-        if !joints.selected.is_empty() {
-            return joints.selection(skeleton);
+        let clip = &self.document.solved().clip;
+        if joints.selected.is_empty() {
+            selection(clip, &[joints.active].into())
+        } else {
+            selection(clip, &joints.selected)
         }
-        match joints.active {
-            Handle::Position => Selection { position: true, ..Selection::default() },
-            Handle::Joint(id) => Selection { position: id == carrier, joints: [joint_name(skeleton, id)].into() },
-        }
+    }
+}
+
+/// Returns the maps of some handles.
+fn selection(clip: &Clip, handles: &BTreeSet<Handle>) -> Selection {
+    let joint = |&handle: &Handle| match handle {
+        Handle::Position => None,
+        Handle::Joint(id) => Some(joint_name(&clip.skeleton, id)),
+    };
+    let carrier = Handle::Joint(clip.facts.carrier.value);
+    Selection {
+        position: handles.contains(&Handle::Position) || handles.contains(&carrier),
+        joints: handles.iter().filter_map(joint).collect(),
     }
 }
 
