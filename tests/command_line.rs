@@ -123,6 +123,15 @@ fn maps_prints_the_keys_of_a_project() {
         serde_json::json!([{ "frame": 7, "map": "position", "value": [0.25, 0.0, -1.0] }])
     );
     assert_eq!(value["layers"][0]["interpolation"], "euler_cubic");
+    let zeros = "layer=[{name='zeros', position=[{frame=7, value=[-0.0,-0.00001,1]}], \
+                 rotation={Neck=[{frame=3, value=[0.5,-0.0,-1,-1]}]}}]";
+    let printed = done(&["maps", "--set", zeros]);
+    assert!(
+        printed.contains("lateral 0.0000  up 0.0000  forward") && printed.contains("[0.000, -0.707, "),
+        "{printed}"
+    );
+    let printed = done(&["maps", "--json", "--set", zeros]);
+    assert!(!printed.contains("-0.0,") && !printed.contains("-0.0\n"), "{printed}");
     assert_eq!(done(&["maps"]), "no layers\n");
     refused(&["maps", "--joint", "Nobody"], 2, "there is no joint Nobody");
     refused(&["maps", "--set", "layer=[{name='a', weight=2}]"], 2, "weight is 0 to 1");

@@ -310,7 +310,12 @@ fn keys_of_feet_say_why_there_is_nothing_to_do() {
     let mut e = Editor::new(document, Vec::new());
     e.keys("l");
     assert_eq!(said(&e), "l does nothing here; the left foot has no plants; ma adds one");
-    e.keys("maF");
+    e.keys("ma");
+    let feet = TABS.iter().position(|&tab| tab == Tab::Feet).expect("a tab");
+    let mut listed = e.clone();
+    listed.keys(&"<tab>".repeat(feet));
+    assert!(listed.rows().iter().any(|row| row.label == "foot" && row.value == "left, 1 plant"));
+    e.keys("F");
     assert!(said(&e).contains("right"), "{}", said(&e));
     e.keys("m");
     e.keys("!");

@@ -44,6 +44,7 @@ fn layers_are_made_named_moved_and_taken_out() {
     e.keys("B<enter><c-u>");
     e.paste("waving");
     e.keys("<enter>");
+    assert_eq!(message(&e), "layer 1 is called waving now");
     assert_eq!(names(&e), ["low", "high", "waving"]);
     e.keys("Bj");
     assert_eq!((names(&e), e.view().layer_idx), (vec!["low".into(), "waving".into(), "high".into()], 1));

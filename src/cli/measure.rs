@@ -88,7 +88,8 @@ fn text(solved: &Solved) -> String {
     line("path error", number(measures.path_error), "H");
     for (foot, numbers) in solved.feet.plants.iter().zip(solved.foot_numbers.iter()) {
         let joint = &solved.clip.skeleton.joint(foot.leg.ankle).name;
-        line(joint, format!("{} plants", numbers.plants), "of those the edited clip shows");
+        let plants = if numbers.plants == 1 { "plant" } else { "plants" };
+        line(joint, format!("{} {plants}", numbers.plants), "of those the edited clip shows");
         let rows = [
             ("planted speed", numbers.planted_speed, "H/s"),
             ("slip p90", numbers.slip_p90, "H"),

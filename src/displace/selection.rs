@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fmt};
 use glam::{DQuat, DVec3};
 
 use super::{Keys, Layer, slerp};
-use crate::math::rotation_vector;
+use crate::math::{fixed, rotation_vector};
 
 /// A number from here on is written with a power of ten.
 const TOO_LONG: f64 = 1e9;
@@ -57,7 +57,8 @@ impl fmt::Display for PointValue {
             Self::Rotation(_, turn) => {
                 let vector = rotation_vector(slerp::short_way(*turn));
                 let (axis, angle) = (vector.normalize_or_zero(), vector.length().to_degrees());
-                write!(f, "{angle:.3}° about [{:.3}, {:.3}, {:.3}]", axis.x, axis.y, axis.z)
+                let [x, y, z] = axis.to_array().map(|n| fixed(n, 3));
+                write!(f, "{angle:.3}° about [{x}, {y}, {z}]")
             }
         }
     }
@@ -65,7 +66,7 @@ impl fmt::Display for PointValue {
 
 /// Writes a number with four decimals; one too large for decimals to mean anything with a power of ten.
 fn number(n: f64) -> String {
-    if n.abs() < TOO_LONG { format!("{n:.4}") } else { format!("{n:.4e}") }
+    if n.abs() < TOO_LONG { fixed(n, 4) } else { format!("{n:.4e}") }
 }
 
 impl Selection {
