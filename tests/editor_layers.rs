@@ -211,7 +211,9 @@ fn the_maps_tab_charts_what_layers_do_and_walks_the_keys() {
     assert!((series.values[0][50 - file_frame] - 0.5 * expected).abs() < 1e-6);
     assert_eq!((series.values[0][200], series.unit.as_str()), (0.0, "°"));
     let rows = e.rows();
-    assert_eq!(rows.iter().map(|row| row.label.trim()).collect::<Vec<_>>(), ["10 Chest", "90 Chest"]);
+    let listed: Vec<_> = rows.iter().map(|row| row.label.as_str()).collect();
+    assert_eq!(listed, [format!("10 {expected:.2} 0.00 0.00° Chest"), "90 0.00 0.00 0.00°  Chest".to_owned()]);
+    assert!(e.rows()[1].help.starts_with("Chest: 0.000° about [0.000, 0.000, 0.000]; "), "{}", e.rows()[1].help);
     e.keys("j");
     assert_eq!(e.view().frame_idx + file_frame, 90);
     e.keys("k");

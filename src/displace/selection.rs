@@ -10,6 +10,9 @@ use crate::math::{fixed, rotation_vector};
 /// A number from here on is written with a power of ten.
 const TOO_LONG: f64 = 1e9;
 
+/// Decimals of an angle where there is little room, degrees.
+const DEGREE_DECIMALS: usize = 2;
+
 /// Which maps of a layer a command is about.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
@@ -45,6 +48,18 @@ impl PointValue {
             Self::Rotation(joint, _) => joint,
         }
     }
+
+    /// Writes what it holds in little room: lateral, up and forward with so many decimals, or degrees about the joint's
+    /// own x, y and z.
+    pub fn short(&self, decimals: usize) -> String {
+        match self {
+            Self::Position(by) => by.to_array().map(|n| number(n, decimals)).join(" "),
+            Self::Rotation(_, turn) => {
+                let degrees = rotation_vector(slerp::short_way(*turn)).map(f64::to_degrees);
+                format!("{}°", degrees.to_array().map(|n| fixed(n, DEGREE_DECIMALS)).join(" "))
+            }
+        }
+    }
 }
 
 impl fmt::Display for PointValue {
@@ -52,7 +67,8 @@ impl fmt::Display for PointValue {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Position(by) => {
-                write!(f, "lateral {}  up {}  forward {}", number(by.x), number(by.y), number(by.z))
+                let [lateral, up, forward] = by.to_array().map(|n| number(n, 4));
+                write!(f, "lateral {lateral}  up {up}  forward {forward}")
             }
             Self::Rotation(_, turn) => {
                 let vector = rotation_vector(slerp::short_way(*turn));
@@ -64,9 +80,9 @@ impl fmt::Display for PointValue {
     }
 }
 
-/// Writes a number with four decimals; one too large for decimals to mean anything with a power of ten.
-fn number(n: f64) -> String {
-    if n.abs() < TOO_LONG { fixed(n, 4) } else { format!("{n:.4e}") }
+/// Writes a number with so many decimals; one too large for them to mean anything with a power of ten.
+fn number(n: f64, decimals: usize) -> String {
+    if n.abs() < TOO_LONG { fixed(n, decimals) } else { format!("{n:.decimals$e}") }
 }
 
 impl Selection {

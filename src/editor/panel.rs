@@ -257,7 +257,7 @@ fn point_rows(editor: &Editor) -> Vec<Row> {
 }
 
 /// Decimals that show a thousandth of a body height.
-fn decimals(height: f64) -> usize {
+pub(super) fn decimals(height: f64) -> usize {
     (3.0 - height.log10()).ceil().clamp(0.0, 6.0) as usize
 }
 
