@@ -16,8 +16,8 @@ const HELP: &str = "+ - [ ] weight, enter name; after B: o on or off, i interpol
                     p r clear its maps, n new, d delete.";
 
 /// The same of a layer that is part of the motion.
-const MERGED_HELP: &str = "Part of the motion: enter names it; after B: k j higher or lower, d deletes it, n makes a \
-                           new layer for edits.";
+const MERGED_HELP: &str = "Part of the motion, below the others: enter names it; after B: d deletes it, n makes a new \
+                           layer for edits.";
 
 /// Returns the rows of the list.
 pub(super) fn rows(editor: &Editor) -> Vec<Row> {
