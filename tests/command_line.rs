@@ -132,6 +132,10 @@ fn maps_prints_the_keys_of_a_project() {
     );
     let printed = done(&["maps", "--json", "--set", zeros]);
     assert!(!printed.contains("-0.0,") && !printed.contains("-0.0\n"), "{printed}");
+    let merged = "layer=[{name='a', merged=true, on=false}, {name='b', merged=true, weight=0.5}]";
+    let merged = done(&["maps", "--set", merged]);
+    let [a, _, b, _] = merged.lines().collect::<Vec<_>>()[..] else { panic!("{merged}") };
+    assert_eq!([a, b], ["a: off, merged, weight 1, quaternion", "b: merged, weight 0.5, quaternion"]);
     assert_eq!(done(&["maps"]), "no layers\n");
     refused(&["maps", "--joint", "Nobody"], 2, "there is no joint Nobody");
     refused(&["maps", "--set", "layer=[{name='a', weight=2}]"], 2, "weight is 0 to 1");

@@ -61,7 +61,8 @@ fn text(document: &Document, selected: impl Fn(&Layer) -> Selection) -> String {
     }
     for layer in &document.edits().layers {
         let state = match (layer.merged, layer.on) {
-            (true, _) => "merged",
+            (true, true) => "merged",
+            (true, false) => "off, merged",
             (false, true) => "on",
             (false, false) => "off",
         };
