@@ -152,6 +152,18 @@ fn plants_and_feet_are_told_with_the_source_beside_the_edited_clip() {
         let of = |foot: usize, which: &str| report["feet"][foot]["planted_speed"][which].as_f64().expect("a speed");
         [0, 1].map(|foot| (of(foot, "source"), of(foot, "edited")))
     };
+    let report = json(&["measure", "--json", "--shape", "circle", "--set", "plants.hold=false"]);
+    let height = report["height"]["source"].as_f64().expect("a height");
+    let text = done(&["measure", "--shape", "circle", "--set", "plants.hold=false"]);
+    let mut told = text.lines().filter(|line| line.trim_start().starts_with("planted speed"));
+    for foot in 0..2 {
+        let of = |which: &str| report["feet"][foot]["planted_speed"][which].as_f64().expect("a speed");
+        let (source, edited) = (of("source"), of("edited"));
+        let words: Vec<&str> = told.next().expect("a line for each foot").split_whitespace().collect();
+        let (source_cm, edited_cm) = (source * height, edited * height);
+        assert_eq!(words[2..5], [&format!("{source:.5}"), "→", &format!("{edited:.5}")]);
+        assert_eq!(words[5..], ["H/s;", &format!("{source_cm:.3}"), "→", &format!("{edited_cm:.3}"), "cm/s"]);
+    }
     for (source, edited) in speeds(&["--set", "path.edited=false"]) {
         assert!((edited - source).abs() < 1e-9, "{source} {edited}");
     }
