@@ -15,8 +15,9 @@ use crate::{
     math::{
         Limbs, Rigid,
         lanes::{LANES, QuatLanes, RigidLanes, VecLanes},
+        straight_hinge,
     },
-    motion::{Clip, EditedClip, Leg},
+    motion::{Clip, EditedClip, Leg, Side},
     skeleton::{JointId, Skeleton},
     sync::{each, halves, listed},
 };
@@ -24,6 +25,10 @@ use crate::{
 /// Weight of a leg's usual hinge against the one its bend shows, as the sine of a bend: a knee bent less than this
 /// takes the usual one.
 const USUAL_HINGE: f64 = 0.05;
+
+/// A clip whose knee never bends by more than this sine shows no hinge: what a straight leg has of one is rounding, or
+/// how its offsets happen to lie.
+const SHOWN_HINGE: f64 = 0.1;
 
 /// A leg shorter than this share of the body height is none.
 const SHORTEST_LEG: f64 = 1e-3;
@@ -239,8 +244,9 @@ impl LegShape {
             frames.extend(more_frames);
             poses.extend(more_poses);
         }
-        set_hinges(&mut poses, n_frames);
-        Self { frames: Arc::new(frames), poses }
+        let mut shape = Self { frames: Arc::new(frames), poses };
+        set_hinges(&mut shape, leg.side);
+        shape
     }
 }
 
@@ -329,13 +335,18 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
 
 /// Makes the hinges of a clip's frames unit axes: what the bend shows where there is one, what is usual for the thigh
 /// where there is none.
-fn set_hinges(poses: &mut [LegPoses], n_frames: usize) {
-    let shown = poses.iter().flat_map(|p| p.hip_rotation.conjugate().rotate(p.limbs.hinge).lanes());
-    let sum: DVec3 = shown.take(n_frames).sum();
-    // A leg that never bends may bend about anything that is across it.
-    let across = |p: &LegPoses| p.hip_rotation.conjugate().rotate(p.limbs.thigh).lanes()[0].any_orthonormal_vector();
-    let usual = VecLanes::splat(sum.try_normalize().unwrap_or_else(|| across(&poses[0])));
-    for pose in poses {
+fn set_hinges(shape: &mut LegShape, side: Side) {
+    let n_frames = shape.frames.len();
+    let shown = shape.poses.iter().flat_map(|p| in_thigh(p, p.limbs.hinge)).take(n_frames);
+    let (mut sum, mut most) = (DVec3::ZERO, 0.0f64);
+    for hinge in shown {
+        sum += hinge;
+        most = most.max(hinge.length());
+    }
+    let is_shown = most > SHOWN_HINGE && sum.length() > SHOWN_HINGE;
+    let usual = if is_shown { sum.normalize() } else { hinge_of_straight(shape, side) };
+    let usual = VecLanes::splat(usual);
+    for pose in &mut shape.poses {
         let usual = pose.hip_rotation.rotate(usual);
         let Limbs { thigh, shin, hinge, .. } = pose.limbs;
         let is_shown = hinge.dot(usual).simd_gt(f64x4::ZERO);
@@ -343,6 +354,26 @@ fn set_hinges(poses: &mut [LegPoses], n_frames: usize) {
         let hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
         pose.limbs = Limbs::new(thigh, shin, hinge);
     }
+}
+
+/// Returns the hinge, in the thigh's own space, of a leg that shows none: by where its foot points in the mean.
+fn hinge_of_straight(shape: &LegShape, side: Side) -> DVec3 {
+    let (mut thigh, mut foot, mut outwards) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+    for (pose, frames) in shape.poses.iter().zip(shape.frames.chunks(LANES)) {
+        let at = |lane: usize| frames[lane.min(frames.len() - 1)];
+        let feet = VecLanes::gather(|lane| at(lane).toe - at(lane).ankle.translation);
+        for (sum, way) in [(&mut thigh, pose.limbs.thigh), (&mut foot, feet), (&mut outwards, pose.hip)] {
+            *sum += in_thigh(pose, way).iter().sum::<DVec3>();
+        }
+    }
+    // The hips lie on either side of the carrier.
+    let left = if side == Side::Left { outwards } else { -outwards };
+    straight_hinge(thigh, foot, left)
+}
+
+/// Takes vectors from the carrier's space to the thigh's own.
+fn in_thigh(pose: &LegPoses, vectors: VecLanes) -> [DVec3; LANES] {
+    pose.hip_rotation.conjugate().rotate(vectors).lanes()
 }
 
 impl FootAt {
@@ -381,5 +412,57 @@ impl PreparedPlant {
     /// Returns how far the foot has slid at a frame, also outside the plant; 0 when its own slide is kept.
     pub(super) fn slid(&self, frame: usize) -> DVec3 {
         self.slide.at(frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        bvh::Bvh,
+        motion::{ClipOptions, find_legs, gait},
+    };
+
+    /// Returns the built-in clip, or its skeleton alone with no joint turned: its knees are dead straight.
+    fn posed(straight: bool) -> EditedClip {
+        let (text, _) = gait::built_in();
+        let (head, _) = text.split_once("MOTION").expect("a motion section");
+        let row = format!("0 97 0{}", " 0".repeat(63));
+        let still = format!("{head}MOTION\nFrames: 2\nFrame Time: 0.02\n{row}\n{row}\n");
+        let bvh = Bvh::parse(if straight { still } else { text }.into_bytes(), "made").expect("a valid file");
+        EditedClip::unedited(Arc::new(Clip::from_bvh(&bvh, &ClipOptions::default())))
+    }
+
+    fn legs(posed: &EditedClip) -> Vec<Leg> {
+        find_legs(&posed.clip, &[], &mut Vec::new()).value
+    }
+
+    /// Returns a leg's hinges in the thigh's own space, frame by frame.
+    fn hinges(posed: &EditedClip, leg: &Leg) -> Vec<DVec3> {
+        let shape = LegShape::of(posed, leg);
+        shape.poses.iter().flat_map(|pose| in_thigh(pose, pose.limbs.hinge)).collect()
+    }
+
+    #[test]
+    fn a_straight_knee_bends_forward_as_in_a_walk() {
+        let (still, walk) = (posed(true), posed(false));
+        for leg in legs(&still) {
+            let hinges = hinges(&still, &leg);
+            assert!(hinges.iter().all(|hinge| hinge.abs_diff_eq(DVec3::X, 0.2) && hinge.y.abs() < 1e-12), "{hinges:?}");
+            let walked: DVec3 = self::hinges(&walk, &leg).iter().sum();
+            let angle = walked.angle_between(hinges[0]).to_degrees();
+            assert!(angle < 12.0, "{:?}: the walk's own hinge is {angle}° off", leg.side);
+        }
+    }
+
+    #[test]
+    fn a_foot_that_points_along_the_leg_leaves_the_hinge_to_the_side_of_the_body() {
+        let still = posed(true);
+        for leg in legs(&still) {
+            // Without a toe.
+            let leg = Leg { toe: leg.ankle.idx(), ..leg };
+            let hinges = hinges(&still, &leg);
+            assert!(hinges.iter().all(|hinge| hinge.abs_diff_eq(DVec3::X, 1e-9)), "{:?}: {hinges:?}", leg.side);
+        }
     }
 }

@@ -8,7 +8,7 @@ mod two_bone;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use two_bone::Limbs;
+pub(crate) use two_bone::{Limbs, straight_hinge};
 pub use two_bone::{Turns, TwoBone, shortest_arc};
 
 /// A rotation followed by a translation.
@@ -98,6 +98,15 @@ pub fn unwrap_rad(angles: &mut [f64]) {
     }
 }
 
+/// Writes a number with so many decimals; where they show nothing it is 0, without a sign.
+pub fn fixed(n: f64, decimals: usize) -> String {
+    let text = format!("{n:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.to_owned(),
+        _ => text,
+    }
+}
+
 /// Goes from 0 to 1 over [0, 1] with no velocity and no acceleration at either end.
 pub fn smootherstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
@@ -124,6 +133,15 @@ mod tests {
         }
         assert_eq!(heading_rad(DVec3::Y), None);
         assert_eq!(twist_rad(DQuat::from_rotation_x(std::f64::consts::PI)).abs(), 0.0);
+    }
+
+    #[test]
+    fn nothing_is_written_without_a_sign() {
+        for (n, decimals, expected) in
+            [(-0.0, 3, "0.000"), (-4e-4, 3, "0.000"), (-6e-4, 3, "-0.001"), (-0.4, 0, "0"), (-10.0, 1, "-10.0")]
+        {
+            assert_eq!(fixed(n, decimals), expected);
+        }
     }
 
     #[test]

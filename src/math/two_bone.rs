@@ -17,6 +17,9 @@ use super::lanes::{LANES, QuatLanes, VecLanes};
 /// A cosine this near to the one opposite has no axis.
 const OPPOSITE: f64 = 1e-12;
 
+/// What lies along a thigh but for this sine says nothing of where the knee goes.
+const ALONG: f64 = 0.1;
+
 /// A leg, or any limb of two bones, and where its end should be, all in one space.
 #[derive(Clone, Copy, Debug)]
 pub struct TwoBone {
@@ -107,6 +110,18 @@ impl Limbs {
         let hip = shortest_arcs(reached, target);
         TurnLanes { knee, hip, reached: hip.rotate(reached) }
     }
+}
+
+/// Returns the unit hinge of a knee that is straight and shows none, all in one space, lengths of no account.
+///
+/// It is across the thigh, so that the knee goes where the foot points, from ankle to toe; where that is along the leg,
+/// towards the body's left (`left`); where that is, any axis across.
+pub(crate) fn straight_hinge(thigh: DVec3, foot: DVec3, left: DVec3) -> DVec3 {
+    let [along, foot, left] = [thigh, foot, left].map(DVec3::normalize_or_zero);
+    let forward = foot.cross(along);
+    let lateral = left.reject_from(along);
+    let known = [forward, lateral].into_iter().find(|axis| axis.length() > ALONG);
+    known.map_or_else(|| along.try_normalize().unwrap_or(DVec3::Y).any_orthonormal_vector(), DVec3::normalize)
 }
 
 /// Returns the rotations about unit axes with these cosines and sines.
@@ -220,6 +235,29 @@ mod tests {
         let (thigh, shin) = (DVec3::new(0.02, -0.4, 0.15), DVec3::new(-0.01, -0.38, -0.12));
         let turns = TwoBone { thigh, shin, hinge: thigh.cross(shin).normalize(), target: thigh + shin }.solve();
         assert!(turns.knee.angle_between(DQuat::IDENTITY) < 1e-7 && turns.hip.angle_between(DQuat::IDENTITY) < 1e-7);
+    }
+
+    #[test]
+    fn a_straight_knee_goes_where_the_foot_points() {
+        let (thigh, shin) = (DVec3::NEG_Y, DVec3::NEG_Y);
+        for (foot, left, knee) in [
+            (DVec3::new(0.0, -0.4, 1.0), DVec3::ZERO, Some(DVec3::Z)),
+            (DVec3::X, DVec3::X, Some(DVec3::X)),
+            (DVec3::new(0.0, -1.0, 1e-3), DVec3::X, Some(DVec3::Z)),
+            (DVec3::ZERO, DVec3::new(-0.2, 0.3, 0.0), Some(DVec3::NEG_Z)),
+            (DVec3::NEG_Y, DVec3::Y, None),
+            (DVec3::ZERO, DVec3::ZERO, None),
+        ] {
+            for parent in parents() {
+                let [thigh, shin, foot, left] = [thigh, shin, foot, left].map(|v| parent.rotation * v);
+                let hinge = straight_hinge(thigh, foot, left);
+                assert!(hinge.is_normalized() && hinge.dot(thigh).abs() < 1e-12, "{foot} {left}: {hinge}");
+                let turns = TwoBone { thigh, shin, hinge, target: 1.6 * thigh }.solve();
+                let way = parent.rotation.conjugate() * (turns.hip * thigh).reject_from(thigh).normalize();
+                assert!(knee.is_none_or(|knee| way.abs_diff_eq(knee, 1e-9)), "{foot} {left}: {way}");
+            }
+        }
+        assert!(straight_hinge(DVec3::ZERO, DVec3::X, DVec3::X).is_normalized(), "no thigh at all");
     }
 
     #[test]
