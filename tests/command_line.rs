@@ -123,6 +123,19 @@ fn maps_prints_the_keys_of_a_project() {
         serde_json::json!([{ "frame": 7, "map": "position", "value": [0.25, 0.0, -1.0] }])
     );
     assert_eq!(value["layers"][0]["interpolation"], "euler_cubic");
+    let zeros = "layer=[{name='zeros', position=[{frame=7, value=[-0.0,-0.00001,1]}], \
+                 rotation={Neck=[{frame=3, value=[0.5,-0.0,-1,-1]}]}}]";
+    let printed = done(&["maps", "--set", zeros]);
+    assert!(
+        printed.contains("lateral 0.0000  up 0.0000  forward") && printed.contains("[0.000, -0.707, "),
+        "{printed}"
+    );
+    let printed = done(&["maps", "--json", "--set", zeros]);
+    assert!(!printed.contains("-0.0,") && !printed.contains("-0.0\n"), "{printed}");
+    let merged = "layer=[{name='a', merged=true, on=false}, {name='b', merged=true, weight=0.5}]";
+    let merged = done(&["maps", "--set", merged]);
+    let [a, _, b, _] = merged.lines().collect::<Vec<_>>()[..] else { panic!("{merged}") };
+    assert_eq!([a, b], ["a: off, merged, weight 1, quaternion", "b: merged, weight 0.5, quaternion"]);
     assert_eq!(done(&["maps"]), "no layers\n");
     refused(&["maps", "--joint", "Nobody"], 2, "there is no joint Nobody");
     refused(&["maps", "--set", "layer=[{name='a', weight=2}]"], 2, "weight is 0 to 1");
@@ -139,6 +152,18 @@ fn plants_and_feet_are_told_with_the_source_beside_the_edited_clip() {
         let of = |foot: usize, which: &str| report["feet"][foot]["planted_speed"][which].as_f64().expect("a speed");
         [0, 1].map(|foot| (of(foot, "source"), of(foot, "edited")))
     };
+    let report = json(&["measure", "--json", "--shape", "circle", "--set", "plants.hold=false"]);
+    let height = report["height"]["source"].as_f64().expect("a height");
+    let text = done(&["measure", "--shape", "circle", "--set", "plants.hold=false"]);
+    let mut told = text.lines().filter(|line| line.trim_start().starts_with("planted speed"));
+    for foot in 0..2 {
+        let of = |which: &str| report["feet"][foot]["planted_speed"][which].as_f64().expect("a speed");
+        let (source, edited) = (of("source"), of("edited"));
+        let words: Vec<&str> = told.next().expect("a line for each foot").split_whitespace().collect();
+        let (source_cm, edited_cm) = (source * height, edited * height);
+        assert_eq!(words[2..5], [&format!("{source:.5}"), "→", &format!("{edited:.5}")]);
+        assert_eq!(words[5..], ["H/s;", &format!("{source_cm:.3}"), "→", &format!("{edited_cm:.3}"), "cm/s"]);
+    }
     for (source, edited) in speeds(&["--set", "path.edited=false"]) {
         assert!((edited - source).abs() < 1e-9, "{source} {edited}");
     }

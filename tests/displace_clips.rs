@@ -47,7 +47,7 @@ fn edited(clip: &Arc<Clip>, displaced: &Displaced) -> EditedClip {
     let mut edited = EditedClip::unedited(Arc::clone(clip));
     edited.turned = displaced.shown(&edited.source_frames);
     if displaced.moves_carrier() {
-        let place = |frame| displaced.carrier(frame, clip.carrier_world(frame), DQuat::IDENTITY);
+        let place = |frame| displaced.carrier(frame, clip.carrier_world(frame), || DQuat::IDENTITY);
         edited.carrier_world = (0..clip.n_frames()).map(place).collect();
     }
     edited

@@ -91,6 +91,37 @@ fn feet_stand_where_a_carrier_that_layers_move_takes_them() {
 }
 
 #[test]
+fn a_body_crouches_over_feet_that_stay_where_they_stand() {
+    for (shape, keys) in [("circle", &[(60, 0.0), (100, -0.1), (140, 0.0)][..]), ("original", &[(0, -0.08)])] {
+        let mut document = opened(&[], Some(shape));
+        let before = Arc::clone(document.solved());
+        let height = before.clip.facts.height.value;
+        let mut layer = Layer::new("crouch");
+        keys.iter().for_each(|&(frame, by)| layer.position.set(frame, DVec3::new(0.0, by * height, 0.0)));
+        let layer = toml::Value::Array(vec![toml::Value::try_from(&layer).expect("a value")]);
+        set(&mut document, &[&format!("layer={layer}")], None);
+        let after = document.solved();
+        assert_eq!(after.missed_plants().count(), 0);
+        let mut lowest = 0.0f64;
+        for frame in 0..after.edited.n_frames() {
+            let [was, is] = [&before, after].map(|solved| world(solved, frame));
+            lowest = lowest.min((is[0].translation.y - was[0].translation.y) / height);
+            for foot in &after.walked.plants {
+                if foot.plants.iter().any(|plant| (plant.first..=plant.last).contains(&frame)) {
+                    let ankle = foot.leg.ankle.idx();
+                    let off = is[ankle].translation.distance(was[ankle].translation) / height;
+                    assert!(off < 1e-6, "{shape}, frame {frame}: the foot moves by {off} body heights");
+                    let turned = is[ankle].rotation.conjugate() * was[ankle].rotation;
+                    assert!(turned.xyz().length() < 1e-6, "{shape}, frame {frame}: the foot turns");
+                }
+            }
+        }
+        let asked = keys.iter().map(|key| key.1).fold(0.0, f64::min);
+        assert!((lowest - asked).abs() < 0.01, "{shape}: the carrier is down by {lowest} of {asked} body heights");
+    }
+}
+
+#[test]
 fn merged_layers_come_back_from_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut document = opened(&[], Some("eight"));

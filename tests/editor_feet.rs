@@ -123,6 +123,27 @@ fn ends_of_plants_move_by_frames_and_are_shown() {
 }
 
 #[test]
+fn ends_of_plants_are_shown_in_the_cycle_under_the_playhead() {
+    let mut document = Document::new(document::open(None).expect("the built-in clip opens"));
+    let values = vec![("timing.cycling".to_owned(), "blended".into())];
+    let shaped = Change::Set { values, shape: Some("s:2.3".parse().expect("a shape")) };
+    document.apply(&shaped, false).expect("a shape");
+    let mut e = Editor::new(document, Vec::new());
+    e.keys(&format!("{}....", "l".repeat(9)));
+    let (at, source) = (e.view().frame_idx, |e: &Editor| e.document().solved().source_frame(e.view().frame_idx));
+    assert!(source(&e) < at && at > e.document().solved().clip.n_frames(), "a later cycle");
+    let before = plants(&e);
+    let (first, last, _) = before.1[before.0];
+    for (key, expected) in [("8", last + 1), ("7", last), ("6", first + 1), ("5", first)] {
+        let from = e.view().frame_idx;
+        e.keys(key);
+        assert_eq!((plants(&e).0, source(&e)), (before.0, expected), "{key}");
+        assert!(e.view().frame_idx.abs_diff(from) <= last - first + 1, "{key}: {from} to {}", e.view().frame_idx);
+    }
+    assert_eq!(plants(&e), before);
+}
+
+#[test]
 fn plants_are_split_joined_deleted_and_added_and_undone() {
     let start = editor();
     let before = plants(&start).1;
@@ -289,7 +310,12 @@ fn keys_of_feet_say_why_there_is_nothing_to_do() {
     let mut e = Editor::new(document, Vec::new());
     e.keys("l");
     assert_eq!(said(&e), "l does nothing here; the left foot has no plants; ma adds one");
-    e.keys("maF");
+    e.keys("ma");
+    let feet = TABS.iter().position(|&tab| tab == Tab::Feet).expect("a tab");
+    let mut listed = e.clone();
+    listed.keys(&"<tab>".repeat(feet));
+    assert!(listed.rows().iter().any(|row| row.label == "foot" && row.value == "left, 1 plant"));
+    e.keys("F");
     assert!(said(&e).contains("right"), "{}", said(&e));
     e.keys("m");
     e.keys("!");

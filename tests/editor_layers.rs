@@ -44,6 +44,7 @@ fn layers_are_made_named_moved_and_taken_out() {
     e.keys("B<enter><c-u>");
     e.paste("waving");
     e.keys("<enter>");
+    assert_eq!(message(&e), "layer 1 is called waving now");
     assert_eq!(names(&e), ["low", "high", "waving"]);
     e.keys("Bj");
     assert_eq!((names(&e), e.view().layer_idx), (vec!["low".into(), "waving".into(), "high".into()], 1));
@@ -111,19 +112,59 @@ fn a_merged_layer_keeps_what_it_does() {
     assert_eq!(message(&e), new);
     e.keys("x");
     assert_eq!(message(&e), new);
-    // Its name, its place among merged ones and whether it is there at all are the user's.
+    // Its name and whether it is there at all are the user's.
     let shown = e.document().solved().to_bvh();
     e.keys("B<enter><c-u>");
     e.paste("nod");
     e.keys("<enter>");
     assert_eq!(names(&e), ["low", "nod"]);
     assert!(e.document().solved().to_bvh() == shown);
-    e.keys("Bj");
-    assert_eq!(names(&e), ["nod", "low"]);
     e.keys("Bd");
     assert_eq!(names(&e), ["low"]);
-    e.keys("uuuu");
+    e.keys("uuu");
     assert_eq!(e.document().edits().layers, merged.layers);
+}
+
+#[test]
+fn what_is_merged_keeps_its_place_below_all_else() {
+    let mut e = editor();
+    // Both turn one joint, so that their order is seen.
+    let layers = |merged: [bool; 3]| {
+        let turns = ["[0.9,0.3,0,0]", "[0.9,0,0.3,0]", "[0.9,0,0,0.3]"];
+        let layer = |n: usize| {
+            let (name, merged) = (["low", "mid", "high"][n], merged[n]);
+            format!("{{name='{name}', merged={merged}, rotation={{Neck=[{{frame=40,value={}}}]}}}}", turns[n])
+        };
+        format!("layer=[{}]", [0, 1, 2].map(layer).join(", "))
+    };
+    let fixed = |name: &str| format!("layer `{name}` is merged into the motion and keeps its place");
+    let in_the_way =
+        |name: &str| format!("layer `{name}` is merged into the motion: no other layer changes places with it");
+    for (merged, layer_idx, keys, told) in [
+        ([true, true, false], 0, "Bk", fixed("low")),
+        ([true, true, false], 1, "Bj", fixed("mid")),
+        ([true, true, false], 1, "Bk", fixed("mid")),
+        ([true, true, false], 2, "Bj", in_the_way("mid")),
+        ([true, false, false], 0, "Bk", fixed("low")),
+        // A project may have them in any order; those that are merged lie below nevertheless.
+        ([false, true, false], 0, "Bk", in_the_way("mid")),
+        ([false, true, false], 1, "Bj", fixed("mid")),
+        ([false, true, false], 2, "Bj", in_the_way("mid")),
+        ([false, false, false], 2, "Bk", "the layer cannot move further".to_owned()),
+    ] {
+        e.keys(":");
+        e.paste(&layers(merged));
+        e.keys("<enter>");
+        while e.view().layer_idx != layer_idx {
+            e.keys("Bb");
+        }
+        let before = (Arc::clone(e.document().edits()), e.document().solved().to_bvh());
+        e.keys(keys);
+        assert_eq!(message(&e), told, "{merged:?} {keys}");
+        assert!((Arc::clone(e.document().edits()), e.document().solved().to_bvh()) == before, "{merged:?} {keys}");
+    }
+    e.keys("Bj");
+    assert_eq!(names(&e), ["low", "high", "mid"]);
 }
 
 #[test]
@@ -210,7 +251,9 @@ fn the_maps_tab_charts_what_layers_do_and_walks_the_keys() {
     assert!((series.values[0][50 - file_frame] - 0.5 * expected).abs() < 1e-6);
     assert_eq!((series.values[0][200], series.unit.as_str()), (0.0, "°"));
     let rows = e.rows();
-    assert_eq!(rows.iter().map(|row| row.label.trim()).collect::<Vec<_>>(), ["10 Chest", "90 Chest"]);
+    let listed: Vec<_> = rows.iter().map(|row| row.label.as_str()).collect();
+    assert_eq!(listed, [format!("10 {expected:.2} 0.00 0.00° Chest"), "90 0.00 0.00 0.00°  Chest".to_owned()]);
+    assert!(e.rows()[1].help.starts_with("Chest: 0.000° about [0.000, 0.000, 0.000]; "), "{}", e.rows()[1].help);
     e.keys("j");
     assert_eq!(e.view().frame_idx + file_frame, 90);
     e.keys("k");

@@ -6,15 +6,15 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3Swizzles};
 use walkabout::{
     bvh::Bvh,
     displace::Layer,
-    document::{Document, Edits, Opened, Source, parameter, parse_assignment},
+    document::{Change, Document, Edits, Opened, Source, parameter, parse_assignment},
     editor::{Editor, TABS, Tab},
     math::Rigid,
     motion::{
-        Clip, ClipOptions, DEFAULT_LENGTH, EditedClip, Length, MAX_LENGTH, TurnedJoint, n_written_frames, to_bvh,
+        Clip, ClipOptions, DEFAULT_LENGTH, EditedClip, Length, MAX_LENGTH, TurnedJoint, gait, n_written_frames, to_bvh,
     },
     skeleton::JointId,
 };
@@ -203,6 +203,56 @@ fn keys_on_a_stationary_clip_make_a_motion() {
         for frame in 1..n_frames {
             let wanted = frame as f64 / (n_frames - 1) as f64;
             assert!((turn(frame) - wanted).abs() < 1e-6, "frame {frame}: {} {wanted}", turn(frame));
+        }
+    }
+}
+
+/// Checks that a document's knees turn about the axis across the body only, to the back, and little from frame to frame.
+#[track_caller]
+fn check_knees(document: &Document, what: &str) {
+    let solved = document.solved();
+    let edited = &solved.edited;
+    let mut most = 0.0f64;
+    for name in ["LeftKnee", "RightKnee"] {
+        let knee = edited.clip.skeleton.find(name).expect("a knee");
+        let bend = |frame: usize| edited.rotation(frame, knee).to_scaled_axis();
+        for frame in 0..edited.n_frames() {
+            let now = bend(frame);
+            most = most.max(now.x);
+            // Rounding apart; the foot of the built-in figure points outwards a little.
+            assert!(now.x > -1e-6 && now.yz().length() < 0.25 * now.x + 1e-6, "{what}: {name} at {frame}: {now}");
+            let step = (now - bend(frame.saturating_sub(1))).length().to_degrees();
+            assert!(step < 12.0, "{what}: {name} turns by {step}° at {frame}");
+        }
+    }
+    assert!(most > 0.02, "{what}: no knee bends, so nothing was tried");
+}
+
+/// A figure whose zero pose has dead straight legs shows no hinge of its own, however often.
+#[test]
+fn straight_legs_bend_forward() {
+    let (text, _) = gait::built_in();
+    let (head, _) = text.split_once("MOTION").expect("a motion section");
+    let row = format!("0 97.05 0{}", " 0".repeat(63));
+    let still = document(&parse(format!("{head}MOTION\nFrames: 1\nFrame Time: .016667\n{row}\n")), &[]);
+    let mut editor = Editor::new(still, Vec::new());
+    while TABS[editor.view().tab_idx] != Tab::Joints {
+        editor.keys("<tab>");
+    }
+    editor.keys(&format!("gt{}", ".".repeat(60)));
+    for keys in ["zz", "YY"] {
+        editor.keys(keys);
+        assert_eq!(editor.view().frame_idx, 60);
+        check_knees(editor.document(), keys);
+    }
+    let walk = parse(text);
+    for set in [&["clip.clear_rotation=true"][..], &["clip.clear_rotation=true", "timing.cycling=blended"]] {
+        let mut document = document(&walk, set);
+        check_knees(&document, "cleared");
+        for shape in ["s", "circle"] {
+            let shape = Some(shape.parse().expect("a shape"));
+            document.apply(&Change::Set { values: Vec::new(), shape }, false).expect("a shape");
+            check_knees(&document, "cleared on a shape");
         }
     }
 }

@@ -171,7 +171,7 @@ fn two_windows_follow_one_document_and_close_alone() {
     first.press(&["1"]);
     await_state(&host, "camera 1");
     host.send(b"w");
-    host.await_text("window closed; w opens it");
+    host.await_text("second window open; w opens the first");
     await_state(&host, "second window view 4 camera 4");
     let seen = settled(&second);
     host.send(b".");

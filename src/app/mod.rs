@@ -379,7 +379,10 @@ impl App {
         let scene = self.editor.scene();
         let surroundings = Surroundings {
             palette: self.palette,
-            window_line: &self.window_line,
+            window_line: match self.windows {
+                [None, Some(_)] => "second window open; w opens the first",
+                _ => &self.window_line,
+            },
             picture: self.picture.as_ref(),
             pane_open: self.pane.is_some(),
         };

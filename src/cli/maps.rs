@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{Failure, args::Clip};
 use crate::{
-    displace::{Layer, MapPoint, PointValue, Selection, find_joint},
+    displace::{Layer, MapPoint, MapValue, PointValue, Selection, find_joint},
     document::Document,
 };
 
@@ -39,9 +39,9 @@ pub(super) fn run(clip: &Clip, joints: &[String], position: bool, as_json: bool)
 
 fn report(layer: &Layer, selection: &Selection) -> Value {
     let point = |point: MapPoint| match point.value {
-        PointValue::Position(by) => json!({ "frame": point.frame, "map": "position", "value": by.to_array() }),
+        PointValue::Position(by) => json!({ "frame": point.frame, "map": "position", "value": by.numbers() }),
         PointValue::Rotation(joint, turn) => {
-            json!({ "frame": point.frame, "map": "rotation", "joint": joint, "value": [turn.w, turn.x, turn.y, turn.z] })
+            json!({ "frame": point.frame, "map": "rotation", "joint": joint, "value": turn.numbers() })
         }
     };
     json!({
@@ -61,7 +61,8 @@ fn text(document: &Document, selected: impl Fn(&Layer) -> Selection) -> String {
     }
     for layer in &document.edits().layers {
         let state = match (layer.merged, layer.on) {
-            (true, _) => "merged",
+            (true, true) => "merged",
+            (true, false) => "off, merged",
             (false, true) => "on",
             (false, false) => "off",
         };

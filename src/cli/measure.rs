@@ -88,15 +88,16 @@ fn text(solved: &Solved) -> String {
     line("path error", number(measures.path_error), "H");
     for (foot, numbers) in solved.feet.plants.iter().zip(solved.foot_numbers.iter()) {
         let joint = &solved.clip.skeleton.joint(foot.leg.ankle).name;
-        line(joint, format!("{} plants", numbers.plants), "of those the edited clip shows");
+        let plants = if numbers.plants == 1 { "plant" } else { "plants" };
+        line(joint, format!("{} {plants}", numbers.plants), "of those the edited clip shows");
         let rows = [
-            ("planted speed", numbers.planted_speed, "H/s"),
-            ("slip p90", numbers.slip_p90, "H"),
-            ("swing clearance", numbers.clearance, "H"),
+            ("planted speed", numbers.planted_speed, speed_units(solved, numbers.planted_speed)),
+            ("slip p90", numbers.slip_p90, "H".to_owned()),
+            ("swing clearance", numbers.clearance, "H".to_owned()),
         ];
         for (name, numbers, unit) in rows {
             let value = numbers.map_or_else(|| "–".to_owned(), |p| format!("{:.5} → {:.5}", p.source, p.edited));
-            line(&format!("  {name}"), value, unit);
+            line(&format!("  {name}"), value, &unit);
         }
     }
     for strain in solved.strains.iter() {
@@ -112,4 +113,13 @@ fn text(solved: &Solved) -> String {
         );
     }
     out
+}
+
+/// Names the unit of a planted speed, and says the same in the clip's own as exactly.
+fn speed_units(solved: &Solved, speed: Option<Pair>) -> String {
+    let Some(pair) = speed else { return "H/s".to_owned() };
+    let (height, unit) = (solved.clip.facts.height.value, solved.clip.facts.unit_word());
+    let decimals = (5.0 - height.log10()).round().clamp(0.0, 9.0) as usize;
+    let [source, edited] = [pair.source, pair.edited].map(|speed| format!("{:.decimals$}", speed * height));
+    format!("H/s; {source} → {edited} {unit}/s")
 }

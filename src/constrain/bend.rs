@@ -9,15 +9,15 @@ use wide::f64x4;
 
 use super::{
     feet::Planned,
-    prepared::{LegFrame, LegPoses, PreparedLeg},
+    prepared::{LegFrame, PreparedLeg},
 };
 use crate::{
     math::{
-        Rigid, TwoBones,
-        lanes::{LANES, QuatLanes, VecLanes},
+        Rigid,
+        lanes::{LANES, QuatLanes, VecLanes, four},
         smootherstep,
     },
-    motion::TurnedJoint,
+    motion::{Track, TurnedJoint},
 };
 
 /// A planted leg is held within this share of its length, unless the source's own is about as long: a knee that comes
@@ -39,6 +39,9 @@ const DRAW_SECS: f64 = 0.04;
 /// Time after a plant and before one over which a foot becomes free to be drawn in, seconds.
 const FREE_SECS: f64 = 0.16;
 
+/// A way shorter than this has no direction to be drawn in along, the clip's unit.
+const SHORTEST: f64 = 1e-300;
+
 /// Everything the turns of one leg follow from, frame by frame.
 pub(super) struct Bend<'a> {
     pub(super) leg: &'a PreparedLeg,
@@ -52,44 +55,84 @@ pub(super) struct Bend<'a> {
     pub(super) frame_time_secs: f64,
 }
 
+/// Where a held foot is at each frame, world.
+#[derive(Clone, Debug, Default)]
+pub struct HeldFoot {
+    ankle: [Vec<f64>; 3],
+    toe: [Vec<f64>; 3],
+}
+
 /// How a leg turns and what it could not do.
 pub(super) struct Bent {
     /// Local rotations of hip, knee and ankle.
     pub(super) turned: [TurnedJoint; 3],
+    pub(super) foot: HeldFoot,
     /// Frames of plants at which the foot is not where it should be: plant, frame, distance.
     pub(super) missed: Vec<(u32, usize, f64)>,
+}
+
+impl HeldFoot {
+    /// Returns the places of the ankle.
+    pub fn ankle(&self) -> Track<'_> {
+        let [x, y, z] = &self.ankle;
+        Track { x, y, z }
+    }
+
+    /// Returns the places of the toe.
+    pub fn toe(&self) -> Track<'_> {
+        let [x, y, z] = &self.toe;
+        Track { x, y, z }
+    }
+
+    fn with_capacity(n_frames: usize) -> Self {
+        let axes = || [0; 3].map(|_| Vec::with_capacity(n_frames));
+        Self { ankle: axes(), toe: axes() }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, ankle: VecLanes, toe: VecLanes) {
+        for (axes, VecLanes { x, y, z }) in [(&mut self.ankle, ankle), (&mut self.toe, toe)] {
+            axes.iter_mut().zip([x, y, z]).for_each(|(axis, lanes)| axis.extend(lanes.to_array()));
+        }
+    }
+
+    fn truncate(&mut self, n_frames: usize) {
+        self.ankle.iter_mut().chain(&mut self.toe).for_each(|axis| axis.truncate(n_frames));
+    }
 }
 
 impl Bend<'_> {
     /// Bends the leg. A plant is missed when its foot is off by more than `accuracy`.
     pub(super) fn solve(&self, accuracy: f64) -> Bent {
         let n = self.carrier.len();
-        let mut wanted = Vec::with_capacity(n + LANES);
-        for at in (0..n).step_by(LANES) {
-            wanted.extend_from_slice(&self.wanted(|lane| (at + lane).min(n - 1)).lanes());
-        }
-        let drawn_in = self.drawn_in(&wanted[..n]);
-        let target = |frame: usize| match drawn_in.get(frame) {
-            Some(&by) if by > 0.0 => wanted[frame] * (1.0 - by / wanted[frame].length().max(by)),
-            _ => wanted[frame],
-        };
+        let wanted: Vec<VecLanes> = (0..n).step_by(LANES).map(|at| self.wanted(at)).collect();
+        let drawn_in = self.drawn_in(&wanted);
         let [mut hips, mut knees, mut ankles] = [0; 3].map(|_| Vec::with_capacity(n + LANES));
+        let mut held = HeldFoot::with_capacity(n + LANES);
         let mut missed = Vec::new();
-        for at in (0..n).step_by(LANES) {
-            let frame = |lane: usize| (at + lane).min(n - 1);
-            let pose = &self.leg.shape.poses[at / LANES];
-            let &LegPoses { thigh, shin, hinge, .. } = pose;
-            let target = VecLanes::gather(|lane| target(frame(lane)));
-            let turns = TwoBones { thigh, shin, hinge, target }.solve();
+        for (at, (pose, &wanted)) in (0..n).step_by(LANES).zip(self.leg.shape.poses.iter().zip(&wanted)) {
+            let target = match drawn_in.get(at..(at + LANES).min(n)) {
+                Some(by) if by.iter().any(|&by| by > 0.0) => {
+                    let by = f64x4::new(four(&drawn_in, at).map(|by| *by));
+                    wanted.scaled(f64x4::ONE - by / wanted.length().fast_max(by).fast_max(f64x4::splat(SHORTEST)))
+                }
+                _ => wanted,
+            };
+            let turns = pose.limbs.reach(target);
             let hip = pose.hip_parent.conjugate().times(turns.hip.times(pose.hip_rotation));
             let knee = pose.knee_parent.conjugate().times(turns.knee.times(pose.knee_rotation));
             let shin = turns.hip.times(turns.knee).times(pose.ankle_parent);
-            let above = QuatLanes::gather(|lane| self.carrier[frame(lane)].rotation).times(shin);
-            let foot = QuatLanes::gather(|lane| self.feet[frame(lane)].ankle.rotation);
-            hips.extend_from_slice(&hip.lanes());
-            knees.extend_from_slice(&knee.lanes());
-            ankles.extend_from_slice(&above.conjugate().times(foot).lanes());
-            let off = VecLanes::gather(|lane| wanted[at + lane]).minus(turns.reached).length_squared();
+            let carrier = four(self.carrier, at);
+            let turn = QuatLanes::gather(|lane| carrier[lane].rotation);
+            let feet = four(self.feet, at);
+            let foot = QuatLanes::gather(|lane| feet[lane].ankle.rotation);
+            hips.extend(hip.lanes());
+            knees.extend(knee.lanes());
+            ankles.extend(turn.times(shin).conjugate().times(foot).lanes());
+            let place = VecLanes::gather(|lane| carrier[lane].translation);
+            let ankle = turn.rotate(pose.hip.plus(turns.reached)).plus(place);
+            held.push(ankle, ankle.plus(foot.rotate(pose.toe)));
+            let off = wanted.minus(turns.reached).length_squared();
             if off.simd_gt(f64x4::splat(accuracy * accuracy)).any() {
                 for (frame, off) in (at..n).zip(off.to_array()) {
                     if let Some(plant) = self.feet[frame].plant
@@ -106,36 +149,37 @@ impl Bend<'_> {
                 rotations.truncate(n);
                 TurnedJoint { joint, rotations }
             });
-        Bent { turned, missed }
+        held.truncate(n);
+        Bent { turned, foot: held, missed }
     }
 
     /// Returns where the ankle should be as seen from the hip, in the carrier's space, at four frames.
     #[inline(always)]
-    fn wanted(&self, frame: impl Fn(usize) -> usize) -> VecLanes {
-        let foot = |lane: usize| &self.feet[frame(lane)];
-        let carrier = |lane: usize| &self.carrier[frame(lane)];
-        let ankle = VecLanes::gather(|lane| foot(lane).ankle.translation - carrier(lane).translation);
-        let offset = VecLanes::gather(|lane| self.offsets[frame(lane)]);
-        let ankle = VecLanes::gather(|lane| foot(lane).follows).times(offset).plus(ankle);
-        let back = QuatLanes::gather(|lane| carrier(lane).rotation).conjugate();
-        back.rotate(ankle).minus(VecLanes::gather(|lane| self.leg.shape.frames[frame(lane)].hip))
+    fn wanted(&self, at: usize) -> VecLanes {
+        let (feet, carrier, offsets) = (four(self.feet, at), four(self.carrier, at), four(self.offsets, at));
+        let ankle = VecLanes::gather(|lane| feet[lane].ankle.translation - carrier[lane].translation);
+        let offset = VecLanes::gather(|lane| *offsets[lane]);
+        let ankle = VecLanes::gather(|lane| feet[lane].follows).times(offset).plus(ankle);
+        let back = QuatLanes::gather(|lane| carrier[lane].rotation).conjugate();
+        back.rotate(ankle).minus(self.leg.shape.poses[at / LANES].hip)
     }
 
     /// Returns by how much the foot is drawn in towards the hip at each frame; nothing where it never is.
     ///
     /// What is too much is carried to the frames around it and blurred over fewer, so that every frame is drawn in by
     /// at least its own excess.
-    fn drawn_in(&self, wanted: &[DVec3]) -> Vec<f64> {
-        let n = wanted.len();
+    fn drawn_in(&self, wanted: &[VecLanes]) -> Vec<f64> {
+        let n = self.carrier.len();
         let half = (DRAW_SECS / self.frame_time_secs).round().max(1.0) as usize;
         let mut drawn_in = Vec::new();
-        for (frame, (wanted, source)) in wanted.iter().zip(&self.leg.shape.frames).enumerate() {
+        let squares = wanted.iter().flat_map(|wanted| wanted.length_squared().to_array());
+        for (frame, (square, source)) in squares.zip(&self.leg.frames[..n]).enumerate() {
             let most = source.swing_limit();
-            if self.free[frame] == 0.0 || wanted.length_squared() <= most * most {
+            if self.free[frame] == 0.0 || square <= most * most {
                 continue;
             }
             drawn_in.resize(n, 0.0f64);
-            let excess = wanted.length() - most;
+            let excess = square.sqrt() - most;
             for around in &mut drawn_in[frame.saturating_sub(2 * half)..(frame + 2 * half + 1).min(n)] {
                 *around = around.max(excess);
             }
@@ -213,8 +257,14 @@ mod tests {
 
     #[test]
     fn a_leg_may_ask_for_more_the_further_its_foot_is_drawn_in() {
-        let frame =
-            |reach: f64| LegFrame { hip: DVec3::ZERO, reach, length: 1.0, ankle: Rigid::IDENTITY, toe: DVec3::ZERO };
+        let frame = |reach| LegFrame {
+            hip: DVec3::ZERO,
+            reach,
+            bend: 0.0,
+            length: 1.0,
+            ankle: Rigid::IDENTITY,
+            toe: DVec3::ZERO,
+        };
         let bent = frame(0.8);
         assert_eq!((bent.limit_when(0.0), bent.limit_when(1.0)), (LIMIT, f64::INFINITY));
         for free in [0.1, 0.5, 0.9] {

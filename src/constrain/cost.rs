@@ -22,6 +22,23 @@ const LIMIT_MARGIN: f64 = 2e-4;
 /// Added to the share by which a leg is short of straight, so that no knee turns infinitely fast.
 const STRAIGHT: f64 = 2e-3;
 
+/// Returns how far the knee of a leg of this length is bent when its hip and ankle are that far apart: about twice this
+/// is the angle, because it is the root of half the share by which a leg is short of straight.
+#[inline]
+pub(super) fn bend(reach: f64, length: f64) -> f64 {
+    (1.0 - reach / length + STRAIGHT).max(0.5 * STRAIGHT).sqrt()
+}
+
+/// Returns how far apart hip and ankle of a leg of this length are whose knee is bent that far, [`straight`] at most.
+fn reach(bend: f64, length: f64) -> f64 {
+    length * (1.0 + STRAIGHT - bend * bend)
+}
+
+/// Returns how far apart hip and ankle of a leg of this length are from which on its knee bends no less.
+fn straight(length: f64) -> f64 {
+    length * (1.0 + 0.5 * STRAIGHT)
+}
+
 /// What one leg asks of the carrier at one frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wish {
@@ -29,8 +46,8 @@ pub(super) struct Wish {
     pub(super) leg: DVec3,
     /// Share of the offset that lengthens the leg, by axis: less than 1 where the foot follows.
     pub(super) moves: DVec3,
-    /// Distance from hip to ankle to be kept.
-    pub(super) reach: f64,
+    /// How far the knee is to be bent, [`bend`].
+    pub(super) bend: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
     /// Price of turning the knee.
@@ -101,12 +118,11 @@ impl Wish {
     #[inline]
     pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
         let (along, length) = self.stretched(offset);
-        // A knee's bend is about twice the root of half the share by which its leg is short of straight. Past straight the
-        // force stays as it is there; where it were not the slope of its cost, no step would be right and the search stop.
-        let root = |d: f64| (1.0 - d / self.length + STRAIGHT).max(0.5 * STRAIGHT).sqrt();
-        let (was, is) = (root(self.reach), root(length));
-        let past = (length - (1.0 + 0.5 * STRAIGHT) * self.length).max(0.0);
-        let turn = SQRT_2 * self.length * (was - is);
+        // Past straight the force stays as it is there; where it were not the slope of its cost, no step would be right and
+        // the search stop.
+        let is = bend(length, self.length);
+        let past = (length - straight(self.length)).max(0.0);
+        let turn = SQRT_2 * self.length * (self.bend - is);
         let slope = FRAC_1_SQRT_2 / is;
         let weight = share * self.weight;
         let force = weight * slope * turn;
@@ -114,7 +130,7 @@ impl Wish {
         // have every step come back farther than it went. Past straight it is as long as it takes to where it is at rest.
         let faster = turn * slope / self.length;
         let stiffness = if past > 0.0 {
-            force / (length - self.reach).max(past)
+            force / (length - reach(self.bend, self.length))
         } else {
             weight * slope * slope * if faster > 1.0 { 1.0 + faster } else { 1.0 }
         };
@@ -148,7 +164,7 @@ mod tests {
 
     fn wish() -> Wish {
         let leg = DVec3::new(0.1, 0.85, -0.12);
-        Wish { leg, moves: DVec3::new(0.7, 0.9, 0.7), reach: 0.8, length: 0.9, weight: 0.6, limit: 0.82 }
+        Wish { leg, moves: DVec3::new(0.7, 0.9, 0.7), bend: bend(0.8, 0.9), length: 0.9, weight: 0.6, limit: 0.82 }
     }
 
     /// Checks that the force is half the slope of the cost, downhill, by finite differences.
@@ -170,7 +186,7 @@ mod tests {
             cost
         };
         check(|o| of(&|c| wish().add_knee(o, 3.0, c)));
-        let overlong = Wish { length: 0.8, reach: 0.7, ..wish() };
+        let overlong = Wish { length: 0.8, bend: bend(0.7, 0.8), ..wish() };
         check(|o| of(&|c| overlong.add_knee(o, 3.0, c)));
         check(|o| of(&|c| wish().add_limit(o, 100.0, c)));
         check(|o| of(&|c| c.add_offset(o, 1.0, 3.0)));
@@ -196,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_leg_that_is_right_pulls_nowhere_and_a_leg_of_no_length_gives_no_nan() {
-        let right = Wish { reach: wish().leg.length(), ..wish() };
+        let right = Wish { bend: bend(wish().leg.length(), wish().length), ..wish() };
         let mut cost = Cost::default();
         right.add_knee(DVec3::ZERO, 1.0, &mut cost);
         assert!(cost.force.length() < 1e-12 && cost.value < 1e-24);

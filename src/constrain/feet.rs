@@ -8,6 +8,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3, DVec4};
 use super::{
     Ground, Job,
     give::Passing,
+    passage::Passage,
     prepared::{PreparedLeg, PreparedPlant},
     slide::{Contact, Slide},
 };
@@ -113,15 +114,16 @@ impl Fade {
     }
 }
 
-/// Plans a foot. `source` is the slope of the ground in the source, `passage` takes the source's world at each frame to where plain path editing has it.
+/// Plans a foot. `source` is the slope of the ground in the source, `passage` is of the frames to be planned.
 pub(super) fn plan(
     leg: &PreparedLeg,
     job: &Job,
     source: GroundSlope,
-    passage: &[Rigid],
+    passage: &Passage,
     frame_time_secs: f64,
 ) -> FootPlan {
-    let n = passage.len();
+    let body = &passage.body[..];
+    let n = body.len();
     let times = Times::new(frame_time_secs);
     let stands = stands(leg, job, source, passage, &times);
     let mut feet = Vec::with_capacity(n);
@@ -131,14 +133,14 @@ pub(super) fn plan(
         let swing = before.zip(after).map(|(b, a)| a.plant.plant.first.saturating_sub(b.plant.plant.last));
         let fade = times.fade(swing);
         let begin = feet.len();
-        for (f, passage) in (begin..end).zip(&passage[begin..]) {
+        for (f, passage) in (begin..end).zip(&body[begin..]) {
             let from = before.map(|b| (b, fade.shares(f - b.plant.plant.last)));
             let to = after.map(|a| (a, fade.shares(a.plant.plant.first - f)));
             feet.push(between(from, to, &leg.feet[f].ankle, passage, f));
         }
         let Some(stand) = after else { break };
         let begin = feet.len();
-        for (f, passage) in (begin..=stand.plant.plant.last).zip(&passage[begin..]) {
+        for (f, passage) in (begin..=stand.plant.plant.last).zip(&body[begin..]) {
             let ankle = &leg.feet[f].ankle;
             feet.push(match stand.moved(ankle, f) {
                 Some(ankle) => Planned { ankle, follows: DVec3::ZERO, plant: Some(stand.idx) },
@@ -184,10 +186,10 @@ fn stands<'a>(
     leg: &'a PreparedLeg,
     job: &Job,
     source: GroundSlope,
-    passage: &[Rigid],
+    passage: &Passage,
     times: &Times,
 ) -> Vec<Stand<'a>> {
-    let n_shown = leg.plants.partition_point(|p| p.plant.first < passage.len());
+    let n_shown = leg.plants.partition_point(|p| p.plant.first < passage.body.len());
     let is_held = |p: &PreparedPlant| p.plant.mode != PlantMode::Slide;
     let together = |a: &PreparedPlant, b: &PreparedPlant| {
         is_held(a) && is_held(b) && b.plant.first.saturating_sub(a.plant.last) < times.shortest_swing
@@ -249,16 +251,16 @@ impl Motion {
     }
 }
 
-/// Returns the one motion of plants: the mean turn of plain path editing about up, and where it puts the foot on
-/// average, as near to that as the leg allows; on a ramp also the slope's tilt.
-fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[Rigid]) -> Motion {
+/// Returns the one motion of plants: the mean turn of plain path editing about up, and where it puts the foot that
+/// stands on average, as near to that as the leg allows; on a ramp also the slope's tilt.
+fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &Passage) -> Motion {
     let (mut place, mut foot, mut yaw, mut heading) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0);
     let (mut over_path, mut over_ground, mut rise_source) = (0.0, 0.0, 0.0);
     let mut n = 0.0;
-    for f in passing.plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.len() - 1)) {
+    for f in passing.plants.iter().flat_map(|p| p.plant.first..=p.plant.last.min(passage.body.len() - 1)) {
         let mid = passing.leg.feet[f].middle();
         foot += mid;
-        place += passage[f].point(mid);
+        place += passage.standing(f).point(mid);
         yaw += job.path[f].heading_rad - job.original[f].heading_rad;
         over_path += job.path[f].slope_rad - job.original[f].slope_rad;
         let ground_rad = source.in_heading_rad(job.original[f].heading_rad);
@@ -270,10 +272,11 @@ fn motion_of(passing: &Passing, (job, source): (&Job, GroundSlope), passage: &[R
     let (place, foot) = (place / n, foot / n);
     let upright = heading_rotation(yaw / n);
     let mut rotation = upright;
-    if job.ground == Ground::Ramp {
+    let tilt_rad = tilt(over_path / n, over_ground / n);
+    if job.ground == Ground::Ramp && tilt_rad != 0.0 {
         let along = heading_rotation(heading / n);
         // A turn about X takes Z down, so a slope up is a negative one.
-        rotation = along * DQuat::from_rotation_x(-tilt(over_path / n, over_ground / n)) * along.conjugate() * upright;
+        rotation = along * DQuat::from_rotation_x(-tilt_rad) * along.conjugate() * upright;
     }
     let mut motion = Rigid::new(rotation, place - rotation * foot);
     let way = passing.gives_way(&motion);

@@ -57,7 +57,7 @@ impl Passing<'_> {
             return DVec2::ZERO;
         }
         let legs: Vec<Leg> = self.ways(motion).map(|(f, away, way)| Leg { way, bound: self.bound(f, away) }).collect();
-        let unit = self.leg.shape.frames[self.plants[0].plant.first].length;
+        let unit = self.leg.frames[self.plants[0].plant.first].length;
         let way = evened(&legs, unit);
         // Falls behind what is asked for smoothly, so that nothing jumps while a path is dragged.
         way / (1.0 + (way.length() / (FURTHEST * unit)).powi(4)).powf(0.25)
@@ -75,20 +75,20 @@ impl Passing<'_> {
             (first.saturating_sub(around)..=(last + around).min(end)).step_by(stride).map(move |f| {
                 let ankle = turn * (self.leg.feet[f].ankle.translation - stood.slid(f)) + shift;
                 let away = first.saturating_sub(f).max(f.saturating_sub(last));
-                (f, away, self.carrier[f].point(self.leg.shape.frames[f].hip) - ankle)
+                (f, away, self.carrier[f].point(self.leg.frames[f].hip) - ankle)
             })
         })
     }
 
     /// Returns the length beyond which a leg makes its plant give way, so many frames away from that.
     fn bound(&self, frame: usize, away: usize) -> f64 {
-        let leg = &self.leg.shape.frames[frame];
+        let leg = &self.leg.frames[frame];
         leg.limit_when(free_at(away as f64, self.frame_time_secs)) + LEFT_TO_OFFSET * leg.length
     }
 
     /// Returns a length that is never beyond it, whatever the distance from the plant.
     fn least_bound(&self, frame: usize) -> f64 {
-        let leg = &self.leg.shape.frames[frame];
+        let leg = &self.leg.frames[frame];
         (LIMIT + LEFT_TO_OFFSET) * leg.length
     }
 }

@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Prepared,
-    bend::{Bend, freedom},
+    bend::{Bend, HeldFoot, freedom},
     cost::Wish,
     feet::{self, FootPlan},
     level::lifts,
     offset::Problem,
+    passage::Passage,
     prepared::PreparedLeg,
 };
 use crate::{
@@ -22,10 +23,6 @@ use crate::{
 
 /// Weight of a leg in swing over one that stands.
 const SWING_WEIGHT: f64 = 0.5;
-
-/// Motions that differ by less, as a share of the body height and in half radians, are one: paths are walked no more
-/// exactly.
-const SAME: f64 = 1e-6;
 
 /// A plant is missed when its foot is off by more than this share of the body height.
 const MISSED: f64 = 1e-4;
@@ -46,8 +43,11 @@ pub enum Ground {
 /// the new path carried on along its end.
 #[derive(Clone, Copy, Debug)]
 pub struct Job<'a> {
-    /// Where plain path editing puts the carrier, world; at most as many frames as the clip has.
+    /// Where plain path editing puts the carrier with its layers, world; at most as many frames as the clip has.
     pub carrier: &'a [Rigid],
+    /// The same where layers do not move the carrier; empty if they do not. They move feet that stand along the ground,
+    /// but neither lift nor sink them.
+    pub own: &'a [Rigid],
     /// Frame of the new path at each frame, `M1`.
     pub path: &'a [PathFrame],
     /// Frame of the original path at each frame, `M0`.
@@ -57,12 +57,14 @@ pub struct Job<'a> {
 }
 
 /// An edit whose feet stay where they stand.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Held {
     /// Where the carrier is at each frame, world.
     pub carrier: Vec<Rigid>,
     /// Local rotations of hip, knee and ankle of every leg held, by frame.
     pub turned: Vec<TurnedJoint>,
+    /// Where that has ankle and toe of every leg held, world.
+    pub feet: Vec<HeldFoot>,
     /// Where the feet stand, leg by leg in order of time.
     pub footprints: Vec<Footprint>,
     /// Plants that could not be reached.
@@ -113,17 +115,16 @@ pub struct Missed {
 pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     let n = job.carrier.len();
     assert!(n <= prepared.n_frames && job.path.len() == n && job.original.len() == n, "the clip's frames, one to one");
+    assert!(job.own.is_empty() || job.own.len() == n, "the clip's frames, one to one");
     let dt = prepared.frame_time_secs;
     let lifts = lifts(job.path, job.original, prepared.slope);
     let lift = |(plain, by): (&Rigid, &f64)| Rigid { translation: plain.translation + *by * DVec3::Y, ..*plain };
     let mut carrier = listed(n, |frames| job.carrier[frames.clone()].iter().zip(&lifts[frames]).map(lift));
-    let job = &Job { carrier: &carrier, ..*job };
-    let passage = listed(n, |frames| {
-        let pairs = job.carrier[frames.clone()].iter().zip(&prepared.to_origin[frames]);
-        pairs.map(|(plain, to_origin)| *plain * *to_origin)
-    });
+    let own: Vec<Rigid> = job.own.iter().zip(&lifts).map(lift).collect();
+    let job = &Job { carrier: &carrier, own: &own, ..*job };
+    let passage = Passage::new(prepared, job);
     let asks = each(&prepared.legs, n, |_, leg| Ask::new(leg, job, prepared.slope, &passage, dt));
-    if moves_as_one(&passage, prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
+    if passage.moves_as_one(prepared.height) && prepared.legs.iter().all(PreparedLeg::keeps_its_slides) {
         let footprints = footprints(prepared, &asks);
         let largest_offset = largest(lifts.iter().map(|by| *by * DVec3::Y));
         return Held { carrier, footprints, largest_offset, ..Held::default() };
@@ -142,21 +143,13 @@ pub fn hold(prepared: &Prepared, job: &Job) -> Held {
     });
     for (idx, (leg, bent)) in prepared.legs.iter().zip(bent).enumerate() {
         held.turned.extend(bent.turned);
+        held.feet.push(bent.foot);
         for (plant, frame, by) in bent.missed {
             held.miss(idx, leg, plant, frame, by);
         }
     }
     held.footprints = footprints(prepared, &asks);
     held
-}
-
-/// Tells whether plain path editing moves the whole clip as one rigid body: then no foot slides that did not.
-fn moves_as_one(passage: &[Rigid], height: f64) -> bool {
-    let Some((first, others)) = passage.split_first() else { return true };
-    others.iter().all(|by| {
-        let turn = first.rotation.conjugate() * by.rotation;
-        turn.xyz().length() < SAME && first.translation.distance(by.translation) < SAME * height
-    })
 }
 
 fn largest(ways: impl Iterator<Item = DVec3>) -> f64 {
@@ -180,14 +173,14 @@ struct Ask {
 }
 
 impl Ask {
-    fn new(leg: &PreparedLeg, job: &Job, source: GroundSlope, passage: &[Rigid], frame_time_secs: f64) -> Self {
+    fn new(leg: &PreparedLeg, job: &Job, source: GroundSlope, passage: &Passage, frame_time_secs: f64) -> Self {
         let plan = feet::plan(leg, job, source, passage, frame_time_secs);
         let free = freedom(&plan.feet, frame_time_secs);
-        let wishes = (job.carrier.iter().zip(&leg.shape.frames).zip(&plan.feet).zip(&free))
+        let wishes = (job.carrier.iter().zip(&*leg.frames).zip(&plan.feet).zip(&free))
             .map(|(((carrier, frame), foot), &free)| Wish {
                 leg: carrier.point(frame.hip) - foot.ankle.translation,
                 moves: DVec3::ONE - foot.follows,
-                reach: frame.reach,
+                bend: frame.bend,
                 length: frame.length,
                 weight: 1.0 + free * (SWING_WEIGHT - 1.0),
                 // Nor may a leg be too long just before it is planted and just after, where it is not free yet.

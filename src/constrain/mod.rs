@@ -22,9 +22,11 @@ mod give;
 mod hold;
 mod level;
 mod offset;
+mod passage;
 mod prepared;
 mod slide;
 
+pub use bend::HeldFoot;
 pub use hold::{Footprint, Ground, Held, Job, Missed, hold};
 pub use offset::knot_frames;
 pub use prepared::Prepared;

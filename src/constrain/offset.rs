@@ -458,11 +458,12 @@ fn basis(t: f64) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constrain::cost::bend;
 
     const DT: f64 = 1.0 / 60.0;
 
     fn wish(leg: DVec3, reach: f64, limit: f64) -> Wish {
-        Wish { leg, moves: DVec3::ONE, reach, length: 0.91, weight: 1.0, limit }
+        Wish { leg, moves: DVec3::ONE, bend: bend(reach, 0.91), length: 0.91, weight: 1.0, limit }
     }
 
     fn offsets(legs: &[&[Wish]]) -> Vec<DVec3> {

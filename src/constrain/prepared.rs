@@ -5,14 +5,19 @@ use std::sync::Arc;
 use glam::DVec3;
 use wide::f64x4;
 
-use super::slide::{Contact, Slide};
+use super::{
+    cost::bend,
+    passage::along_ground,
+    slide::{Contact, Slide},
+};
 use crate::{
     contact::{FootPlants, GroundSlope, Plant, PlantMode},
     math::{
-        Rigid,
+        Limbs, Rigid,
         lanes::{LANES, QuatLanes, RigidLanes, VecLanes},
+        straight_hinge,
     },
-    motion::{Clip, EditedClip, Leg},
+    motion::{Clip, EditedClip, Leg, Side},
     skeleton::{JointId, Skeleton},
     sync::{each, halves, listed},
 };
@@ -21,8 +26,15 @@ use crate::{
 /// takes the usual one.
 const USUAL_HINGE: f64 = 0.05;
 
+/// A clip whose knee never bends by more than this sine shows no hinge: what a straight leg has of one is rounding, or
+/// how its offsets happen to lie.
+const SHOWN_HINGE: f64 = 0.1;
+
 /// A leg shorter than this share of the body height is none.
 const SHORTEST_LEG: f64 = 1e-3;
+
+/// A leg that layers lengthen is to be no longer than this share of its length, unless it is in the source.
+const LONGEST: f64 = 0.98;
 
 /// A source clip with its legs and plants, ready to be held on any path.
 #[derive(Clone, Debug)]
@@ -32,7 +44,7 @@ pub struct Prepared {
     pub(super) frame_time_secs: f64,
     /// Body height `H`, clip's unit.
     pub(super) height: f64,
-    /// What takes the carrier of each frame to the origin.
+    /// What takes the carrier of each frame to the origin, where layers do not move but turn it.
     pub(super) to_origin: Vec<Rigid>,
     pub(super) legs: Vec<PreparedLeg>,
     /// Of the ground in the source.
@@ -44,7 +56,10 @@ pub struct Prepared {
 pub(super) struct PreparedLeg {
     pub(super) leg: Leg,
     pub(super) shape: Arc<LegShape>,
-    /// Where its foot is, as many frames as the shape has.
+    /// The shape's, but for how long the leg is to be: where layers move the carrier it is as long as from there to a
+    /// foot that stands.
+    pub(super) frames: Arc<Vec<LegFrame>>,
+    /// Where its foot is where layers do not move but turn the carrier, as many frames.
     pub(super) feet: Vec<FootAt>,
     pub(super) plants: Vec<PreparedPlant>,
 }
@@ -52,7 +67,7 @@ pub(super) struct PreparedLeg {
 /// A leg as the clip bends it, wherever the carrier is: in the carrier's space throughout.
 #[derive(Debug)]
 pub(super) struct LegShape {
-    pub(super) frames: Vec<LegFrame>,
+    pub(super) frames: Arc<Vec<LegFrame>>,
     /// The same, four by four.
     pub(super) poses: Vec<LegPoses>,
 }
@@ -82,6 +97,8 @@ pub(super) struct LegFrame {
     pub(super) hip: DVec3,
     /// Distance from hip to ankle.
     pub(super) reach: f64,
+    /// How far the knee is bent by that.
+    pub(super) bend: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
     pub(super) ankle: Rigid,
@@ -91,19 +108,17 @@ pub(super) struct LegFrame {
 /// How one leg is bent at four frames, the last ones of a clip repeated; in the carrier's space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPoses {
-    /// From hip to knee.
-    pub(super) thigh: VecLanes,
-    /// From knee to ankle.
-    pub(super) shin: VecLanes,
-    /// Unit axis of the knee.
-    pub(super) hinge: VecLanes,
-    /// Of the joint above the hip.
+    pub(super) limbs: Limbs,
+    pub(super) hip: VecLanes,
+    /// Rotation of the joint above the hip.
     pub(super) hip_parent: QuatLanes,
     /// Of the hip itself.
     pub(super) hip_rotation: QuatLanes,
     pub(super) knee_parent: QuatLanes,
     pub(super) knee_rotation: QuatLanes,
     pub(super) ankle_parent: QuatLanes,
+    /// From ankle to toe, in the ankle's own space.
+    pub(super) toe: VecLanes,
 }
 
 impl Prepared {
@@ -112,8 +127,9 @@ impl Prepared {
     /// `feet` are the legs to hold with their plants. Legs without plants, legs whose joints do not hang below the
     /// carrier or cannot be turned, and legs without length are left out.
     ///
-    /// `own_carrier` is where the carrier would be if layers did not move it, at every frame; empty if they do not. A
-    /// carrier that layers move takes its feet along to where they stand, but does not let them slide.
+    /// `own_carrier` is where the carrier would be if layers neither moved nor turned it, at every frame; empty if they
+    /// do not. A carrier that layers move takes its feet along the ground to where they stand and one that they turn
+    /// takes them with it, but neither lets them slide.
     ///
     /// `earlier` lends the legs that are bent as they were; the result is the same without it.
     pub fn new(posed: &Arc<EditedClip>, own_carrier: &[Rigid], feet: &[FootPlants], earlier: Option<&Self>) -> Self {
@@ -121,7 +137,7 @@ impl Prepared {
         let n_frames = clip.n_frames();
         let height = clip.facts.height.value;
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
-        let to_origin = listed(n_frames, |frames| frames.map(|frame| posed.carrier(frame).inverse()));
+        let to_origin = listed(n_frames, |frames| frames.map(|frame| turned(posed, own_carrier, frame).inverse()));
         let mut legs = each(&held, n_frames, |_, foot| {
             let lent = earlier.and_then(|earlier| earlier.shape_of(&foot.leg, posed));
             PreparedLeg::new(foot, lent.unwrap_or_else(|| Arc::new(LegShape::of(posed, &foot.leg))), posed, own_carrier)
@@ -181,14 +197,27 @@ impl PreparedLeg {
     fn new(foot: &FootPlants, shape: Arc<LegShape>, posed: &EditedClip, own_carrier: &[Rigid]) -> Self {
         let clip = &*posed.clip;
         let n_frames = shape.frames.len();
-        let feet: Vec<FootAt> = (0..).zip(&shape.frames).map(|(f, leg)| leg.foot_at(&posed.carrier(f))).collect();
-        let own_feet: Vec<FootAt> = shape.frames.iter().zip(own_carrier).map(|(leg, own)| leg.foot_at(own)).collect();
+        let stands = |(f, leg): (usize, &LegFrame)| leg.foot_at(&turned(posed, own_carrier, f));
+        let feet: Vec<FootAt> = shape.frames.iter().enumerate().map(stands).collect();
+        let is_turned = (0..).zip(own_carrier).any(|(f, own)| posed.carrier(f).rotation != own.rotation);
+        let unturned = if is_turned { own_carrier } else { &[] };
+        let own_feet: Vec<FootAt> = shape.frames.iter().zip(unturned).map(|(leg, own)| leg.foot_at(own)).collect();
+        let frames = if own_carrier.is_empty() {
+            Arc::clone(&shape.frames)
+        } else {
+            let moved = |(f, leg): (usize, &LegFrame)| {
+                let carrier = posed.carrier(f);
+                let stands = feet[f].ankle.translation + along_ground(&own_carrier[f], &carrier);
+                leg.as_long_as(carrier.point(leg.hip).distance(stands))
+            };
+            Arc::new(shape.frames.iter().enumerate().map(moved).collect())
+        };
         let plants = (foot.plants.iter())
             .filter(|plant| plant.first < n_frames)
             .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
             .map(|plant| PreparedPlant::new(plant, &feet, clip.frame_time_secs, &own_feet))
             .collect();
-        Self { leg: foot.leg, shape, feet, plants }
+        Self { leg: foot.leg, shape, frames, feet, plants }
     }
 
     /// Tells whether the foot slides in its plants as it did.
@@ -206,7 +235,7 @@ impl LegShape {
         let parts = halves(n_frames, 0, |range| {
             // The first part takes the other up.
             let room = if range.start == 0 { n_frames } else { range.len() };
-            let mut part = Self { frames: Vec::with_capacity(room), poses: Vec::with_capacity(room.div_ceil(LANES)) };
+            let mut part = (Vec::with_capacity(room), Vec::with_capacity(room.div_ceil(LANES)));
             let mut rigids = vec![RigidLanes::identity(); skeleton.n_joints()];
             for at in range.clone().step_by(LANES) {
                 posed.rigids_in_carrier(
@@ -215,27 +244,40 @@ impl LegShape {
                     &mut rigids,
                 );
                 let (frames, poses) = taken(skeleton, leg, &rigids);
-                part.frames.extend(&frames[..LANES.min(range.end - at)]);
-                part.poses.push(poses);
+                part.0.extend(&frames[..LANES.min(range.end - at)]);
+                part.1.push(poses);
             }
             part
         });
         let mut parts = parts.into_iter();
-        let mut shape = parts.next().expect("at least one part");
-        for more in parts {
-            shape.frames.extend(more.frames);
-            shape.poses.extend(more.poses);
+        let (mut frames, mut poses) = parts.next().expect("at least one part");
+        for (more_frames, more_poses) in parts {
+            frames.extend(more_frames);
+            poses.extend(more_poses);
         }
-        set_hinges(&mut shape.poses, n_frames);
+        let mut shape = Self { frames: Arc::new(frames), poses };
+        set_hinges(&mut shape, leg.side);
         shape
     }
 }
 
 impl LegFrame {
+    /// Returns the same with the leg to be as long as this, or as nearly so as one leaves a knee its bend.
+    fn as_long_as(&self, reach: f64) -> Self {
+        let reach = reach.min(self.reach.max(LONGEST * self.length));
+        Self { reach, bend: bend(reach, self.length), ..*self }
+    }
+
     /// Returns where the foot is when the carrier is there.
     fn foot_at(&self, carrier: &Rigid) -> FootAt {
         FootAt { ankle: *carrier * self.ankle, toe: carrier.point(self.toe) }
     }
+}
+
+/// Returns where the carrier of a frame would be if layers did not move but turn it.
+fn turned(posed: &EditedClip, own_carrier: &[Rigid], frame: usize) -> Rigid {
+    let carrier = posed.carrier(frame);
+    own_carrier.get(frame).map_or(carrier, |own| Rigid { translation: own.translation, ..carrier })
 }
 
 fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
@@ -269,6 +311,7 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
     let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
     let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| rigids[joint.idx()].translation);
     let (thigh, shin) = (knee.minus(hip), ankle.minus(knee));
+    let ankle_rotation = rotation(leg.ankle.idx());
     let toe = match leg.toe.checked_sub(skeleton.n_joints()) {
         None => rigids[leg.toe].translation,
         Some(site) => {
@@ -279,42 +322,69 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
     };
     let reach = hip.minus(ankle).length().to_array();
     let length = (thigh.length() + shin.length()).to_array();
-    let ankle_rotation = rotation(leg.ankle.idx()).lanes();
-    let (hips, ankles, toes) = (hip.lanes(), ankle.lanes(), toe.lanes());
+    let (hips, ankles, toes, ankle_rotations) = (hip.lanes(), ankle.lanes(), toe.lanes(), ankle_rotation.lanes());
     let frames = std::array::from_fn(|lane| LegFrame {
         hip: hips[lane],
         reach: reach[lane],
+        bend: bend(reach[lane], length[lane]),
         length: length[lane],
-        ankle: Rigid::new(ankle_rotation[lane], ankles[lane]),
+        ankle: Rigid::new(ankle_rotations[lane], ankles[lane]),
         toe: toes[lane],
     });
     let poses = LegPoses {
-        thigh,
-        shin,
-        hinge: thigh.normalized().cross(shin.normalized()),
+        limbs: Limbs::new(thigh, shin, thigh.normalized().cross(shin.normalized())),
+        hip,
         hip_parent: parent(leg.hip.idx()),
         hip_rotation: rotation(leg.hip.idx()),
         knee_parent: parent(leg.knee.idx()),
         knee_rotation: rotation(leg.knee.idx()),
         ankle_parent: parent(leg.ankle.idx()),
+        toe: ankle_rotation.conjugate().rotate(toe.minus(ankle)),
     };
     (frames, poses)
 }
 
 /// Makes the hinges of a clip's frames unit axes: what the bend shows where there is one, what is usual for the thigh
 /// where there is none.
-fn set_hinges(poses: &mut [LegPoses], n_frames: usize) {
-    let shown = poses.iter().flat_map(|p| p.hip_rotation.conjugate().rotate(p.hinge).lanes());
-    let sum: DVec3 = shown.take(n_frames).sum();
-    // A leg that never bends may bend about anything that is across it.
-    let across = |p: &LegPoses| p.hip_rotation.conjugate().rotate(p.thigh).lanes()[0].any_orthonormal_vector();
-    let usual = VecLanes::splat(sum.try_normalize().unwrap_or_else(|| across(&poses[0])));
-    for pose in poses {
-        let usual = pose.hip_rotation.rotate(usual);
-        let is_shown = pose.hinge.dot(usual).simd_gt(f64x4::ZERO);
-        let shown = pose.hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
-        pose.hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
+fn set_hinges(shape: &mut LegShape, side: Side) {
+    let n_frames = shape.frames.len();
+    let shown = shape.poses.iter().flat_map(|p| in_thigh(p, p.limbs.hinge)).take(n_frames);
+    let (mut sum, mut most) = (DVec3::ZERO, 0.0f64);
+    for hinge in shown {
+        sum += hinge;
+        most = most.max(hinge.length());
     }
+    let is_shown = most > SHOWN_HINGE && sum.length() > SHOWN_HINGE;
+    let usual = if is_shown { sum.normalize() } else { hinge_of_straight(shape, side) };
+    let usual = VecLanes::splat(usual);
+    for pose in &mut shape.poses {
+        let usual = pose.hip_rotation.rotate(usual);
+        let Limbs { thigh, shin, hinge, .. } = pose.limbs;
+        let is_shown = hinge.dot(usual).simd_gt(f64x4::ZERO);
+        let shown = hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
+        let hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
+        pose.limbs = Limbs::new(thigh, shin, hinge);
+    }
+}
+
+/// Returns the hinge, in the thigh's own space, of a leg that shows none: by where its foot points in the mean.
+fn hinge_of_straight(shape: &LegShape, side: Side) -> DVec3 {
+    let (mut thigh, mut foot, mut outwards) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+    for (pose, frames) in shape.poses.iter().zip(shape.frames.chunks(LANES)) {
+        let at = |lane: usize| frames[lane.min(frames.len() - 1)];
+        let feet = VecLanes::gather(|lane| at(lane).toe - at(lane).ankle.translation);
+        for (sum, way) in [(&mut thigh, pose.limbs.thigh), (&mut foot, feet), (&mut outwards, pose.hip)] {
+            *sum += in_thigh(pose, way).iter().sum::<DVec3>();
+        }
+    }
+    // The hips lie on either side of the carrier.
+    let left = if side == Side::Left { outwards } else { -outwards };
+    straight_hinge(thigh, foot, left)
+}
+
+/// Takes vectors from the carrier's space to the thigh's own.
+fn in_thigh(pose: &LegPoses, vectors: VecLanes) -> [DVec3; LANES] {
+    pose.hip_rotation.conjugate().rotate(vectors).lanes()
 }
 
 impl FootAt {
@@ -325,7 +395,7 @@ impl FootAt {
 }
 
 impl PreparedPlant {
-    /// `own_feet` is where the carrier's own motion has the foot; empty when layers do not move the carrier.
+    /// `own_feet` is where the carrier has the foot that layers do not turn; empty if they do not.
     fn new(plant: Plant, feet: &[FootAt], frame_time_secs: f64, own_feet: &[FootAt]) -> Self {
         let stands = &feet[plant.first..=plant.last];
         let sum: DVec3 = stands.iter().map(FootAt::middle).sum();
@@ -336,7 +406,7 @@ impl PreparedPlant {
                 Slide::new(&plant, feet.len(), frame_time_secs, own)
             }
             PlantMode::Hold if !own_feet.is_empty() => {
-                // What the carrier's own motion made of the same step is the foot's own slide.
+                // What the carrier that is not turned makes of the same step is the foot's own slide.
                 let added = |from: usize, to: usize| {
                     let (was, is) = (&own_feet[from], &own_feet[to]);
                     let of = |contact: Contact| contact.step(&feet[from], &feet[to]) - contact.step(was, is);
@@ -353,5 +423,57 @@ impl PreparedPlant {
     /// Returns how far the foot has slid at a frame, also outside the plant; 0 when its own slide is kept.
     pub(super) fn slid(&self, frame: usize) -> DVec3 {
         self.slide.at(frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        bvh::Bvh,
+        motion::{ClipOptions, find_legs, gait},
+    };
+
+    /// Returns the built-in clip, or its skeleton alone with no joint turned: its knees are dead straight.
+    fn posed(straight: bool) -> EditedClip {
+        let (text, _) = gait::built_in();
+        let (head, _) = text.split_once("MOTION").expect("a motion section");
+        let row = format!("0 97 0{}", " 0".repeat(63));
+        let still = format!("{head}MOTION\nFrames: 2\nFrame Time: 0.02\n{row}\n{row}\n");
+        let bvh = Bvh::parse(if straight { still } else { text }.into_bytes(), "made").expect("a valid file");
+        EditedClip::unedited(Arc::new(Clip::from_bvh(&bvh, &ClipOptions::default())))
+    }
+
+    fn legs(posed: &EditedClip) -> Vec<Leg> {
+        find_legs(&posed.clip, &[], &mut Vec::new()).value
+    }
+
+    /// Returns a leg's hinges in the thigh's own space, frame by frame.
+    fn hinges(posed: &EditedClip, leg: &Leg) -> Vec<DVec3> {
+        let shape = LegShape::of(posed, leg);
+        shape.poses.iter().flat_map(|pose| in_thigh(pose, pose.limbs.hinge)).collect()
+    }
+
+    #[test]
+    fn a_straight_knee_bends_forward_as_in_a_walk() {
+        let (still, walk) = (posed(true), posed(false));
+        for leg in legs(&still) {
+            let hinges = hinges(&still, &leg);
+            assert!(hinges.iter().all(|hinge| hinge.abs_diff_eq(DVec3::X, 0.2) && hinge.y.abs() < 1e-12), "{hinges:?}");
+            let walked: DVec3 = self::hinges(&walk, &leg).iter().sum();
+            let angle = walked.angle_between(hinges[0]).to_degrees();
+            assert!(angle < 12.0, "{:?}: the walk's own hinge is {angle}° off", leg.side);
+        }
+    }
+
+    #[test]
+    fn a_foot_that_points_along_the_leg_leaves_the_hinge_to_the_side_of_the_body() {
+        let still = posed(true);
+        for leg in legs(&still) {
+            // Without a toe.
+            let leg = Leg { toe: leg.ankle.idx(), ..leg };
+            let hinges = hinges(&still, &leg);
+            assert!(hinges.iter().all(|hinge| hinge.abs_diff_eq(DVec3::X, 1e-9)), "{:?}: {hinges:?}", leg.side);
+        }
     }
 }

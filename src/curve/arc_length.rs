@@ -3,8 +3,8 @@
 //! The parameter range is cut into leaves on which the speed is a polynomial of degree 7 as far as anybody can tell:
 //! it is taken at the eight Gauss–Legendre nodes, integrated as a polynomial (over a whole leaf that is the Gauss rule)
 //! and checked at other places; a leaf that fails is halved. At a kink or where the curve stands still the leaves
-//! shrink until what they could get wrong no longer counts. After that a length costs one Horner pass and an inverse a
-//! few Newton steps kept inside their leaf.
+//! shrink until what they could get wrong no longer counts. After that a length costs one Horner pass, and an inverse
+//! another, through a few inverses found beforehand, and a Newton step or two kept inside their leaf.
 
 use glam::DVec3;
 
@@ -66,8 +66,8 @@ struct Leaf {
     start: f64,
     /// Length along the leaf.
     length: f64,
-    /// Derivative of the length by `x` at the ends.
-    end_slopes: [f64; 2],
+    /// About where a share of the length is, over the share in [-1, 1]: coefficients of `x` likewise.
+    places: [f64; N],
     /// Length since the start of the leaf, over `x` in [-1, 1]: coefficients of 1, x, x², …
     series: [f64; N + 1],
 }
@@ -179,8 +179,13 @@ impl Leaf {
         // Length is counted from x = -1.
         series[0] = -series.iter().rev().fold(0.0, |sum, c| c - sum);
         let length = series.iter().sum::<f64>().max(0.0);
-        let mut leaf = Self { middle, half, start, length, end_slopes: [0.0; 2], series };
-        leaf.end_slopes = [-1.0, 1.0].map(|x| leaf.length_and_slope(x).1);
+        let mut leaf = Self { middle, half, start, length, places: [0.0; N], series };
+        let end_slopes = [-1.0, 1.0].map(|x| leaf.length_and_slope(x).1);
+        let places = NODES.map(|share| {
+            let share = 0.5 * (1.0 + share);
+            leaf.place_from(leaf.guess(share, end_slopes), share * length, INVERSE_ACCURACY * length)
+        });
+        leaf.places = from_nodes.map(|row| row.iter().zip(places).map(|(m, x)| m * x).sum());
         (leaf, error)
     }
 
@@ -197,8 +202,18 @@ impl Leaf {
         (even + x * odd, odd_slope + x * even_slope)
     }
 
-    /// Returns the `x` in [-1, 1] at a length from the start of the leaf (bracketed Newton).
+    /// Returns the `x` in [-1, 1] at a length from the start of the leaf.
     fn place_of(&self, length: f64, accuracy: f64) -> f64 {
+        let share = 2.0 * (length / self.length) - 1.0;
+        let square = share * share;
+        let [c0, c1, c2, c3, c4, c5, c6, c7] = self.places;
+        let even = c0 + square * (c2 + square * (c4 + square * c6));
+        let odd = c1 + square * (c3 + square * (c5 + square * c7));
+        self.place_from((even + share * odd).clamp(-1.0, 1.0), length, accuracy)
+    }
+
+    /// The same, from a guess on (bracketed Newton).
+    fn place_from(&self, guess: f64, length: f64, accuracy: f64) -> f64 {
         if length <= 0.0 || self.length <= 0.0 {
             return -1.0;
         }
@@ -206,7 +221,7 @@ impl Leaf {
             return 1.0;
         }
         let (mut low, mut high) = (-1.0, 1.0);
-        let mut x = self.guess(length / self.length);
+        let mut x = guess;
         for _ in 0..MAX_STEPS {
             let (value, slope) = self.length_and_slope(x);
             let error = value - length;
@@ -230,9 +245,9 @@ impl Leaf {
     }
 
     /// Returns about where a share of the leaf's length is: a cubic with the right ends and, within reason, slopes.
-    fn guess(&self, share: f64) -> f64 {
+    fn guess(&self, share: f64, end_slopes: [f64; 2]) -> f64 {
         // Beyond three times the mean slope a cubic turns back.
-        let [from, to] = self.end_slopes.map(|slope| (self.length / slope).clamp(0.0, 6.0));
+        let [from, to] = end_slopes.map(|slope| (self.length / slope).clamp(0.0, 6.0));
         let bend = 6.0 - 2.0 * from - to;
         let twist = from + to - 4.0;
         share * (from + share * (bend + share * twist)) - 1.0

@@ -39,7 +39,8 @@ impl MapValue for DVec3 {
     type Numbers = [f64; 3];
 
     fn numbers(self) -> [f64; 3] {
-        self.to_array()
+        // Adding 0 takes the sign off a zero.
+        self.to_array().map(|n| n + 0.0)
     }
 
     fn from_numbers(numbers: &[f64]) -> Option<Self> {
@@ -52,7 +53,7 @@ impl MapValue for DQuat {
     type Numbers = [f64; 4];
 
     fn numbers(self) -> [f64; 4] {
-        [self.w, self.x, self.y, self.z]
+        [self.w, self.x, self.y, self.z].map(|n| n + 0.0)
     }
 
     fn from_numbers(numbers: &[f64]) -> Option<Self> {

@@ -5,10 +5,13 @@ use std::{collections::BTreeSet, fmt};
 use glam::{DQuat, DVec3};
 
 use super::{Keys, Layer, slerp};
-use crate::math::rotation_vector;
+use crate::math::{fixed, rotation_vector};
 
 /// A number from here on is written with a power of ten.
 const TOO_LONG: f64 = 1e9;
+
+/// Decimals of an angle where there is little room, degrees.
+const DEGREE_DECIMALS: usize = 2;
 
 /// Which maps of a layer a command is about.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -45,6 +48,18 @@ impl PointValue {
             Self::Rotation(joint, _) => joint,
         }
     }
+
+    /// Writes what it holds in little room: lateral, up and forward with so many decimals, or degrees about the joint's
+    /// own x, y and z.
+    pub fn short(&self, decimals: usize) -> String {
+        match self {
+            Self::Position(by) => by.to_array().map(|n| number(n, decimals)).join(" "),
+            Self::Rotation(_, turn) => {
+                let degrees = rotation_vector(slerp::short_way(*turn)).map(f64::to_degrees);
+                format!("{}°", degrees.to_array().map(|n| fixed(n, DEGREE_DECIMALS)).join(" "))
+            }
+        }
+    }
 }
 
 impl fmt::Display for PointValue {
@@ -52,20 +67,22 @@ impl fmt::Display for PointValue {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Position(by) => {
-                write!(f, "lateral {}  up {}  forward {}", number(by.x), number(by.y), number(by.z))
+                let [lateral, up, forward] = by.to_array().map(|n| number(n, 4));
+                write!(f, "lateral {lateral}  up {up}  forward {forward}")
             }
             Self::Rotation(_, turn) => {
                 let vector = rotation_vector(slerp::short_way(*turn));
                 let (axis, angle) = (vector.normalize_or_zero(), vector.length().to_degrees());
-                write!(f, "{angle:.3}° about [{:.3}, {:.3}, {:.3}]", axis.x, axis.y, axis.z)
+                let [x, y, z] = axis.to_array().map(|n| fixed(n, 3));
+                write!(f, "{angle:.3}° about [{x}, {y}, {z}]")
             }
         }
     }
 }
 
-/// Writes a number with four decimals; one too large for decimals to mean anything with a power of ten.
-fn number(n: f64) -> String {
-    if n.abs() < TOO_LONG { format!("{n:.4}") } else { format!("{n:.4e}") }
+/// Writes a number with so many decimals; one too large for them to mean anything with a power of ten.
+fn number(n: f64, decimals: usize) -> String {
+    if n.abs() < TOO_LONG { fixed(n, decimals) } else { format!("{n:.decimals$e}") }
 }
 
 impl Selection {

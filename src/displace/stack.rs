@@ -68,12 +68,12 @@ impl Displaced {
     ///
     /// `carried` is where it would be without layers, `path_frame` the orientation of the path frame there: of the
     /// new path's, or of the original path's while the path edit is off.
-    pub fn carrier(&self, frame: usize, carried: Rigid, path_frame: DQuat) -> Rigid {
+    pub fn carrier(&self, frame: usize, carried: Rigid, path_frame: impl FnOnce() -> DQuat) -> Rigid {
         let turn = self.carrier_turns.get(frame).filter(|turn| **turn != DQuat::IDENTITY);
         let offset = self.offsets.get(frame).filter(|offset| **offset != DVec3::ZERO);
         Rigid {
             rotation: turn.map_or(carried.rotation, |&turn| carried.rotation * turn),
-            translation: offset.map_or(carried.translation, |&by| carried.translation + path_frame * by),
+            translation: offset.map_or(carried.translation, |&by| carried.translation + path_frame() * by),
         }
     }
 
@@ -521,13 +521,13 @@ mod tests {
         assert_eq!(displaced.offsets[0], DVec3::new(0.0, 0.0, 2.0), "constant outside the keys");
         let quarter = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
         let carried = Rigid::new(turn([0.3, 0.2, 0.1]), DVec3::new(5.0, 6.0, 7.0));
-        let placed = displaced.carrier(frame, carried, quarter);
+        let placed = displaced.carrier(frame, carried, || quarter);
         assert!(placed.translation.abs_diff_eq(DVec3::new(8.0, 6.0, 6.5), 1e-12), "forward is +X here");
         assert_eq!(placed.rotation, carried.rotation * displaced.carrier_turns[frame]);
         let back = displaced.undisplaced_carrier(frame, placed, quarter);
         assert!(back.rotation.angle_between(carried.rotation) < 1e-7);
         assert!(back.translation.distance(carried.translation) < 1e-12);
-        assert_eq!(Displaced::default().carrier(frame, carried, quarter), carried);
+        assert_eq!(Displaced::default().carrier(frame, carried, || quarter), carried);
     }
 
     #[test]

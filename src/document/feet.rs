@@ -152,14 +152,20 @@ pub(super) fn measured_points(plants: &[FootPlants]) -> Vec<usize> {
     plants.iter().flat_map(|foot| [foot.leg.ankle.idx(), foot.leg.toe]).collect()
 }
 
+/// Returns the feet among tracks of [`measured_points`].
+pub(super) fn measured_feet(tracks: &PointTracks) -> Vec<FootTracks<'_>> {
+    let foot = |ankle: usize| FootTracks { ankle: tracks.track(ankle), toe: tracks.track(ankle + 1) };
+    (0..tracks.n_points()).step_by(2).map(foot).collect()
+}
+
 /// Measures each foot, source beside edited, in the order of the plants.
 ///
-/// `moved` is where the edit has [`measured_points`]; each frame shows the clip's frame of that index in `source_frames`,
+/// `edited` is where the edit has the feet; each frame shows the clip's frame of that index in `source_frames`,
 /// and `is_joined` tells whether those are joined to one another where they do not follow on.
 pub(super) fn numbers(
     (clip, body): (&Clip, &Body),
     plants: &[FootPlants],
-    moved: &PointTracks,
+    edited: &[FootTracks],
     source_frames: &[u32],
     is_joined: bool,
 ) -> Vec<FootNumbers> {
@@ -167,7 +173,7 @@ pub(super) fn numbers(
     let measure = |(idx, foot): (usize, &FootPlants)| {
         FootMeasure {
             source: FootTracks { ankle: source.track(foot.leg.ankle.idx()), toe: source.track(foot.leg.toe) },
-            edited: FootTracks { ankle: moved.track(2 * idx), toe: moved.track(2 * idx + 1) },
+            edited: edited[idx],
             source_frames,
             plants: &foot.plants,
             is_joined,

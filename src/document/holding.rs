@@ -7,7 +7,7 @@ use std::{ops::Range, sync::Arc};
 
 use super::Posed;
 use crate::{
-    constrain::{Footprint, Ground, Held, Job, Missed, hold},
+    constrain::{Footprint, Ground, Held, HeldFoot, Job, Missed, hold},
     math::Rigid,
     motion::{Clip, EditedClip, TurnedJoint},
     path::{NewPath, PathFrame, Timing},
@@ -18,6 +18,9 @@ use crate::{
 /// What holding the feet did, beside the clip it made. Frames are edited frames.
 #[derive(Clone, Debug, Default)]
 pub struct Holding {
+    /// Where the foot of each leg that can be held is, at least as many frames as are shown. None where several cycles
+    /// were held one by one, or nothing had to be.
+    pub(super) feet: Vec<HeldFoot>,
     /// Where the feet stand, cycle by cycle and leg by leg.
     pub footprints: Vec<Footprint>,
     /// Plants that could not be reached.
@@ -70,7 +73,8 @@ impl Carriage<'_> {
         for (first, end) in starts.zip(ends) {
             let path = self.whole_cycle(first, end);
             let carrier: Vec<Rigid> = listed(path.len(), |frames| frames.map(|f| self.posed.carrier(f, &path[f])));
-            let job = Job { carrier: &carrier, path: &path, original: self.original, ground };
+            let own = self.posed.own_carrier(&path);
+            let job = Job { carrier: &carrier, own: &own, path: &path, original: self.original, ground };
             append(&mut edited, &mut holding, hold(&self.posed.prepared, &job), first, end, &self.posed.legs);
         }
         (edited, holding)
@@ -105,12 +109,13 @@ pub(super) fn frames_beyond(
 fn append(edited: &mut EditedClip, holding: &mut Holding, held: Held, first: usize, end: usize, posed: &EditedClip) {
     let n = end - first;
     if first == 0 {
-        (edited.carrier_world, edited.turned) = (held.carrier, held.turned);
+        (edited.carrier_world, edited.turned, holding.feet) = (held.carrier, held.turned, held.feet);
         edited.carrier_world.truncate(n);
         edited.turned.iter_mut().for_each(|turned| turned.rotations.truncate(n));
     } else {
         edited.carrier_world.extend_from_slice(&held.carrier[..n]);
         append_turned(edited, held.turned, first..end, posed);
+        holding.feet.clear();
     }
     let shown = |frame: usize| first + frame.min(n - 1);
     holding.footprints.extend((held.footprints.into_iter()).filter(|print| print.first < n).map(|print| Footprint {

@@ -44,7 +44,7 @@ pub enum LayerChange {
         /// The way.
         interpolation: Interpolation,
     },
-    /// A layer changes places with the one above or below it.
+    /// A layer changes places with the one above or below it; merged ones keep theirs, below all others.
     Move {
         /// Which.
         layer_idx: usize,
@@ -115,9 +115,15 @@ pub enum LayerRefusal {
     /// The layer has too little weight to show what is wanted.
     #[error("layer `{0}` has too little weight to show that; raise its weight")]
     Weight(String),
-    /// There is nothing above or below, or merged layers are in the way.
+    /// There is nothing above or below.
     #[error("the layer cannot move further")]
     NoRoom,
+    /// The layer is part of the motion where it lies.
+    #[error("layer `{0}` is merged into the motion and keeps its place")]
+    Fixed(String),
+    /// The layer would change places with one that is part of the motion.
+    #[error("layer `{0}` is merged into the motion: no other layer changes places with it")]
+    InTheWay(String),
     /// None of the selected maps has a key at the frame.
     #[error("none of the selected maps has a key at file frame {0}")]
     NoKey(usize),
@@ -142,7 +148,7 @@ pub enum LayerRefusal {
     CarrierStays,
 }
 
-/// Changes the list of layers. A merged layer keeps what it does: it gets another name or place, or goes as a whole.
+/// Changes the list of layers. A merged layer keeps what it does: it gets another name or goes as a whole.
 ///
 /// # Errors
 ///
@@ -165,10 +171,16 @@ pub(super) fn change(edits: &mut Edits, change: &LayerChange) -> Result<(), Laye
             unmerged(layers, *layer_idx)?.interpolation = *interpolation;
         }
         LayerChange::Move { layer_idx, up } => {
-            let merged = at(layers, *layer_idx)?.merged;
+            let layer = at(layers, *layer_idx)?;
+            if layer.merged {
+                return Err(LayerRefusal::Fixed(layer.name.clone()));
+            }
             let other = if *up { Some(layer_idx + 1) } else { layer_idx.checked_sub(1) };
-            let other = other.filter(|&other| layers.get(other).is_some_and(|layer| layer.merged == merged));
-            layers.swap(*layer_idx, other.ok_or(LayerRefusal::NoRoom)?);
+            let other = other.filter(|&other| other < layers.len()).ok_or(LayerRefusal::NoRoom)?;
+            if layers[other].merged {
+                return Err(LayerRefusal::InTheWay(layers[other].name.clone()));
+            }
+            layers.swap(*layer_idx, other);
         }
         LayerChange::Merge { layer_idx } => {
             let name = unmerged(layers, *layer_idx)?.name.clone();

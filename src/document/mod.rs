@@ -384,6 +384,57 @@ mod tests {
     }
 
     #[test]
+    fn feet_are_measured_live_where_the_joints_have_them() {
+        let document = walking();
+        let base = document.solved();
+        let changed = |change: &dyn Fn(&mut Edits)| {
+            let mut edits = (**document.edits()).clone();
+            change(&mut edits);
+            Arc::new(edits)
+        };
+        let points = |by: f64| base.control_points().iter().map(|p| *p * by).collect::<Vec<_>>();
+        let n_frames = base.clip.n_frames();
+        let mut seen = Vec::new();
+        for (name, edits) in [
+            ("shorter", changed(&|e| e.path.control_points = Some(points(0.7)))),
+            ("longer", changed(&|e| e.path.control_points = Some(points(1.5)))),
+            ("clean", changed(&|e| e.plants.clean = true)),
+            ("not held", changed(&|e| e.plants.hold = false)),
+            (
+                "again and again",
+                changed(&|e| {
+                    e.path.control_points = Some(points(2.5));
+                    e.timing.cycling = Cycling::Plain;
+                }),
+            ),
+            (
+                "joined",
+                changed(&|e| {
+                    e.path.control_points = Some(points(2.5));
+                    e.timing.cycling = Cycling::Blended;
+                }),
+            ),
+        ] {
+            let live = solve_live(&edits, base);
+            let all = solve(&base.source, &edits, Some(&live));
+            assert!(!Arc::ptr_eq(&live.foot_numbers, &all.foot_numbers), "{name}: measured again");
+            seen.push(live.edited.n_frames().cmp(&n_frames));
+            let numbers = |solved: &Solved| -> Vec<f64> {
+                let pairs = |n: &crate::measure::FootNumbers| {
+                    [n.planted_speed, n.slip_p90, n.clearance].map(|p| p.expect("measured"))
+                };
+                solved.foot_numbers.iter().flat_map(pairs).flat_map(|p| [p.source, p.edited]).collect()
+            };
+            let (live, all) = (numbers(&live), numbers(&all));
+            assert!(
+                live.len() == 12 && live.iter().zip(&all).all(|(a, b)| (a - b).abs() < 1e-9),
+                "{name}: {live:?} {all:?}"
+            );
+        }
+        assert!(seen.contains(&std::cmp::Ordering::Less) && seen.contains(&std::cmp::Ordering::Greater));
+    }
+
+    #[test]
     fn a_step_of_a_drag_has_the_numbers_measured_last() {
         let mut document = walking();
         document.show_drafts();

@@ -6,12 +6,10 @@
 
 use std::{ops::Range, sync::Arc};
 
-use glam::DVec3;
-
 use super::{
     Edits, Solved, feet,
     holding::frames_beyond,
-    posed::{carried_over, legs_posed},
+    posed::{carried_over, legs_posed, own_carrier},
 };
 use crate::{
     constrain::{Job, hold, knot_frames},
@@ -116,22 +114,25 @@ impl<'a> Piece<'a> {
         let (base, walked) = (&self.solved.posed.base, &self.solved.walked);
         let original = &walked.path(&self.solved.original)[self.of_walk.clone()];
         let path = &self.path[..];
-        let own = |at: usize| self.residuals.apply(at, &original[at]);
         let carried = |at: usize| {
-            let turn = path[at].rotation(self.residuals.frame);
-            let carrier = displaced.carrier(at, self.residuals.apply(at, &path[at]), turn);
-            Rigid { translation: carrier.translation + self.lifts[at] * DVec3::Y, ..carrier }
+            displaced.carrier(at, self.residuals.apply(at, &path[at]), || path[at].rotation(self.residuals.frame))
         };
 
         let is_leg = |joint: JointId| !self.solved.posed.is_free(joint);
         let legs =
             Arc::new(legs_posed(&self.clip, &displaced, &self.residuals, original, base.moves_otherwise(), is_leg));
-        let own_carrier: Vec<Rigid> =
-            if displaced.moves_carrier() { (0..path.len()).map(own).collect() } else { Vec::new() };
-        let prepared = feet::prepared(&legs, &own_carrier, &self.plants, self.solved.edits.plants.clean, None)
+        let own = |path: &[PathFrame]| own_carrier(&displaced, &self.residuals, path);
+        let lifted = |mut carrier: Vec<Rigid>| {
+            for (rigid, lift) in carrier.iter_mut().zip(&self.lifts) {
+                rigid.translation.y += lift;
+            }
+            carrier
+        };
+        let prepared = feet::prepared(&legs, &own(original), &self.plants, self.solved.edits.plants.clean, None)
             .on_ground(self.solved.posed.prepared.ground());
-        let carrier: Vec<Rigid> = (0..path.len()).map(carried).collect();
-        let held = hold(&prepared, &Job { carrier: &carrier, path, original, ground: self.solved.edits.plants.ground });
+        let carrier = lifted((0..path.len()).map(carried).collect());
+        let ground = self.solved.edits.plants.ground;
+        let held = hold(&prepared, &Job { carrier: &carrier, own: &lifted(own(path)), path, original, ground });
         let is_held = |joint: JointId| held.turned.iter().any(|held| held.joint == joint);
         let laid: Vec<TurnedJoint> = displaced.turned.into_iter().filter(|turned| !is_held(turned.joint)).collect();
         let edited = EditedClip {
@@ -178,7 +179,7 @@ fn plants_in(foot: &FootPlants, frames: &Range<usize>) -> FootPlants {
 
 #[cfg(test)]
 mod tests {
-    use glam::DQuat;
+    use glam::{DQuat, DVec3};
 
     use super::*;
     use crate::{

@@ -147,8 +147,7 @@ impl Posed {
             |p| &p.posed.prepared,
             || {
                 let path = walked.path(loaded.original);
-                let own = |range: Range<usize>| range.map(|frame| residuals.apply(frame, &path[frame]));
-                let own_carrier = if displaced.moves_carrier() { listed(path.len(), own) } else { Vec::new() };
+                let own_carrier = own_carrier(&displaced, &residuals, path);
                 let earlier = previous.map(|p| &*p.posed.prepared);
                 let ground = feet::ground(&walked.body, &walked.plants, walked.clip.facts.height.value);
                 feet::prepared(&legs, &own_carrier, &walked.plants, edits.plants.clean, earlier).on_ground(ground)
@@ -174,7 +173,12 @@ impl Posed {
 
     /// Returns where the carrier is at a frame of what walks, `at` being the path's frame there.
     pub(super) fn carrier(&self, frame: usize, at: &PathFrame) -> Rigid {
-        self.displaced.carrier(frame, self.residuals.apply(frame, at), at.rotation(self.residuals.frame))
+        self.displaced.carrier(frame, self.residuals.apply(frame, at), || at.rotation(self.residuals.frame))
+    }
+
+    /// Returns where the carrier would be, from frame 0 of what walks on, if layers did not move it; empty if they do not.
+    pub(super) fn own_carrier(&self, path: &[PathFrame]) -> Vec<Rigid> {
+        own_carrier(&self.displaced, &self.residuals, path)
     }
 
     /// Takes the layers' part out of where a carrier is.
@@ -189,7 +193,7 @@ impl Posed {
             let own = if self.base.motions.is_empty() { loaded.carrier } else { &self.base.motions };
             let frames = own.iter().zip(loaded.original.frames()).enumerate();
             let place = |(f, (&own, at)): (usize, (&Rigid, &PathFrame))| {
-                self.displaced.carrier(f, own, at.rotation(self.residuals.frame))
+                self.displaced.carrier(f, own, || at.rotation(self.residuals.frame))
             };
             edited.carrier_world = frames.map(place).collect();
         }
@@ -293,6 +297,14 @@ fn repeated<T: Copy>(values: &[T], first: usize, source_frames: &[u32]) -> Vec<T
     if values.is_empty() { Vec::new() } else { source_frames.iter().map(value).collect() }
 }
 
+/// Returns where the carrier would be on a path if layers did not move it; empty if they do not.
+pub(super) fn own_carrier(displaced: &Displaced, residuals: &Residuals, path: &[PathFrame]) -> Vec<Rigid> {
+    if !displaced.moves_carrier() {
+        return Vec::new();
+    }
+    listed(path.len(), |range| range.map(|frame| residuals.apply(frame, &path[frame])))
+}
+
 /// Returns what walks as layers have it, on the original path; of the joints only those that legs hang on.
 /// `moves_otherwise`: the residuals are not its own.
 pub(super) fn legs_posed(
@@ -305,7 +317,7 @@ pub(super) fn legs_posed(
 ) -> EditedClip {
     let place = |frame: usize| {
         let at = &path[frame];
-        displaced.carrier(frame, residuals.apply(frame, at), at.rotation(residuals.frame))
+        displaced.carrier(frame, residuals.apply(frame, at), || at.rotation(residuals.frame))
     };
     let is_placed = clip.facts.path_editable && (displaced.moves_carrier() || moves_otherwise);
     EditedClip {

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::{
     Edits, LayerRefusal, Solved,
@@ -25,6 +25,9 @@ use crate::{
     math::Rigid,
     skeleton::JointId,
 };
+
+/// A carrier is moved no farther at once than so many times the way that it has to go.
+const FARTHEST: f64 = 4.0;
 
 /// What is wanted of a pose. World positions and axes are y-up, in the clip's unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,7 +114,8 @@ fn carrier_at(solved: &Solved, world: &[Rigid]) -> DVec3 {
 
 /// Moves a carrier on that holding the feet keeps from where it is to go; returns what follows.
 ///
-/// Edits have it moved all the way; what holding takes off that is found on a piece and added.
+/// Edits have it moved all the way; what holding takes off that is found on a piece and added. Over legs that are nearly
+/// straight a carrier follows far less than it is moved: what moves do is learned from those before (C. Broyden, 1965).
 fn carry_on(
     solved: &Solved,
     edits: &mut Edits,
@@ -124,10 +128,16 @@ fn carry_on(
     let was_on_piece = carrier_at(solved, &piece.with(&solved.edits).held);
     let mut off = was_on_piece - carrier_at(solved, &pose(solved, frame_idx));
     let mut made = None::<Solved>;
+    let mut follows = DMat3::IDENTITY;
     for _ in 0..DRAFTS {
         let (mut least, mut best, mut on_piece) = (f64::INFINITY, edits.clone(), to + off);
+        let mut last = None::<(DVec3, DVec3)>;
         for _ in 0..CORRECTIONS {
             let at = carrier_at(solved, &piece.with(edits).held);
+            if let Some((was, by)) = last {
+                let wrong = (at - was - follows * by) / by.length_squared();
+                follows += DMat3::from_cols(wrong * by.x, wrong * by.y, wrong * by.z);
+            }
             let missing = to + off - at;
             if missing.length() >= least {
                 break;
@@ -136,7 +146,10 @@ fn carry_on(
             if least < THERE_ON_PIECE * height {
                 break;
             }
-            move_carrier(solved, edits, layer_idx, frame_idx, missing)?;
+            let by = Some(follows.inverse() * missing).filter(|by| by.is_finite()).unwrap_or(missing);
+            let by = by.clamp_length_max(FARTHEST * least);
+            last = Some((at, by));
+            move_carrier(solved, edits, layer_idx, frame_idx, by)?;
         }
         *edits = best;
         let drafted = draft(&Arc::new(edits.clone()), made.as_ref().unwrap_or(solved));

@@ -271,7 +271,7 @@ fn place(text: &str, offset: usize) -> (usize, usize) {
 mod tests {
     use super::*;
     use crate::{contact::PlantEditMode, motion::Side, path::Degree};
-    use glam::DVec3;
+    use glam::{DQuat, DVec3};
 
     fn check_error(text: &str, expected: &str) {
         assert_eq!(parse(text, "p.toml").map_err(|e| e.to_string()), Err(expected.to_owned()));
@@ -289,6 +289,11 @@ mod tests {
         project.edits.view.windows[0].views[2].camera_idx = 0;
         project.edits.view.windows[1].views[3].shows.ground = false;
         project.edits.view.cameras[2].eye = Some(DVec3::new(1.0, 2.0, 3.0));
+        project.edits.view.cameras[2].up = Some(DVec3::new(-0.0, -0.0, 1.0));
+        let mut layer = Layer::new("nod");
+        layer.position.set(4, DVec3::new(-0.0, 1.0, 2.0));
+        layer.set_rotation("Neck", 4, DQuat::from_xyzw(-0.0, 0.6, -0.0, 0.8));
+        project.edits.layers = vec![layer];
         project.edits.clip.carrier = Some("Hips".to_owned());
         let name = |part: &str| format!("left \"{part}\"");
         project.edits.clip.legs =
@@ -301,6 +306,7 @@ mod tests {
         assert!(text.contains("\n[view]\nlayout = 4\n\n[view.3]\ncamera = 1\n"), "{text}");
         assert!(text.contains("\n[second.4]\nhide = [\"ground\"]\n"), "{text}");
         assert!(text.contains("\n[[plant]]\nfoot = \"left\"\nfirst = 3\nlast = 9\nmode = \"clean\"\n"), "{text}");
+        assert!(text.contains("\nup = [0.0, 0.0, 1.0]\n") && !text.contains("-0.0"), "{text}");
         assert_eq!(parse(&text, "p.toml"), Ok(project.clone()));
         assert_eq!(print(&parse(&text, "p.toml").expect("parses")), text);
     }

@@ -26,8 +26,8 @@ use super::{
 use crate::{
     curve::BSpline,
     math::Rigid,
-    measure::{Body, Measured},
-    motion::{Clip, PointTracks},
+    measure::{Body, FootTracks, Measured},
+    motion::Clip,
     path::{Cycling, Integrator, MAX_POINTS, NewPath, OriginalPath, Residuals, Timing, TimingOptions, straight_line},
     sync::{both, pooled},
 };
@@ -201,10 +201,15 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         .filter(|p| p.extent >= Extent::Feet)
         .filter(|p| Arc::ptr_eq(&p.feet, &feet) && Arc::ptr_eq(&p.posed.legs, &posed.legs));
     let same_edit = same_edit.filter(|p| p.extent == Extent::All);
-    let foot_numbers = |moved: &PointTracks| {
-        reuse(same_steps, |p| &p.foot_numbers, || walked.foot_numbers(&loaded, moved, &walk, &edited))
+    // What was shown live is where holding says the feet are; what stays is where the joints have them.
+    let same_numbers = same_steps.filter(|p| p.extent >= wanted);
+    let foot_numbers = |moved: &[FootTracks]| {
+        reuse(same_numbers, |p| &p.foot_numbers, || walked.foot_numbers(&loaded, moved, &walk, &edited))
     };
     let points = feet::measured_points(&walked.plants);
+    let is_all_held =
+        Arc::ptr_eq(&walk, &carried) && posed.prepared.legs().eq(walked.plants.iter().map(|foot| foot.leg));
+    let held_feet = holding.as_ref().filter(|_| is_all_held).map_or(&[][..], |holding| &holding.feet);
     let (measures, foot_numbers, strains, extent) = match (same_edit, same_steps, wanted) {
         (Some(_), Some(p), _) => (Arc::clone(&p.measures), Arc::clone(&p.foot_numbers), strains(), Extent::All),
         (_, _, Extent::Poses) => {
@@ -213,7 +218,14 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         }
         (_, _, Extent::Feet) => {
             let p = previous.expect("the body is left out on the way from one solve to the next");
-            let moved = walked.body.moved(&walk, &posed.turning, &points);
+            let by_joints;
+            let moved = match held_feet {
+                [] => {
+                    by_joints = walked.body.moved(&walk, &posed.turning, &points);
+                    feet::measured_feet(&by_joints)
+                }
+                held => held.iter().map(|foot| FootTracks { ankle: foot.ankle(), toe: foot.toe() }).collect(),
+            };
             // A second core hides the feet's numbers.
             let (strains, numbers) = both(walk.n_frames(), strains, || foot_numbers(&moved));
             (Arc::clone(&p.measures), numbers, strains, wanted)
@@ -242,7 +254,7 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
             let ((measures, strains), numbers) = both(
                 walk.n_frames(),
                 || (reuse(same_edit, |p| &p.measures, || measured.measures()), strains()),
-                || foot_numbers(&moved),
+                || foot_numbers(&feet::measured_feet(&moved)),
             );
             (measures, numbers, strains, wanted)
         }

@@ -165,6 +165,12 @@ impl Solved {
         (source_frame < self.edited.n_frames().min(n_shown)).then_some(source_frame)
     }
 
+    /// Returns the edited frame nearest to `at` that shows a frame of the clip, or what is shown nearest to it.
+    pub fn edited_frame_near(&self, source_frame: usize, at: usize) -> usize {
+        let away = |frame: &usize| (self.source_frame(*frame).abs_diff(source_frame), frame.abs_diff(at));
+        (0..self.edited.n_frames()).min_by_key(away).expect("a clip has frames")
+    }
+
     /// Returns where the carrier is at an edited frame.
     pub fn carrier(&self, edited_frame: usize) -> Rigid {
         match self.edited.carrier_world.get(edited_frame) {

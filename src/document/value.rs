@@ -21,7 +21,8 @@ pub(super) fn as_vector(value: &Value) -> Option<DVec3> {
 
 /// `[x, y, z]` as a value.
 pub(super) fn vector(v: DVec3) -> Value {
-    Value::Array(v.to_array().map(Value::Float).to_vec())
+    // Adding 0 takes the sign off a zero.
+    Value::Array(v.to_array().map(|n| Value::Float(n + 0.0)).to_vec())
 }
 
 /// `[x, y, z]` or `auto`.

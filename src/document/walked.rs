@@ -10,8 +10,8 @@ use crate::{
     contact::FootPlants,
     cycle::{Join, Joined, Loop, LoopFinder, LoopRange, Mismatch},
     math::Rigid,
-    measure::{Body, FootNumbers},
-    motion::{Clip, EditedClip, PointTracks, TurnedJoint},
+    measure::{Body, FootNumbers, FootTracks},
+    motion::{Clip, EditedClip, TurnedJoint},
     path::{OriginalPath, PathFrame, Residuals, may_cycle},
 };
 
@@ -62,13 +62,13 @@ impl Walked {
         seams.copied().filter(|&seam| seam < n_frames).collect()
     }
 
-    /// Measures the feet on a walk that has them at `moved`; `edited` is the same as an edit of the clip as loaded.
+    /// Measures the feet on a walk that has them there; `edited` is the same as an edit of the clip as loaded.
     ///
     /// Beside a joined clip's numbers stand those of the clip as loaded: joining moves feet, too.
     pub(super) fn foot_numbers(
         &self,
         loaded: &Loaded,
-        moved: &PointTracks,
+        moved: &[FootTracks],
         walk: &EditedClip,
         edited: &EditedClip,
     ) -> Vec<FootNumbers> {

@@ -134,10 +134,9 @@ fn show_plant_row(editor: &mut Editor) {
     }
 }
 
-/// Shows a frame of the clip, or the last one where the path ends before it.
+/// Shows a frame of the clip, or the last one where the path ends before it; in the cycle that is nearest.
 fn show(editor: &mut Editor, source_frame: usize) {
-    let solved = editor.document.solved();
-    let frame_idx = solved.edited_frame(source_frame).unwrap_or(solved.edited.n_frames() - 1);
+    let frame_idx = editor.document.solved().edited_frame_near(source_frame, editor.view.frame_idx);
     editor.view.playing = false;
     editor.view.jump(frame_idx);
 }

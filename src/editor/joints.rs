@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use super::{Editor, Effect, Message, Row, RowKind, TABS, Tab, map_keys, panel, pose};
 use crate::{
-    displace::{Selection, can_turn, joint_name},
+    displace::{can_turn, joint_name},
     motion::Clip,
     skeleton::{JointId, Skeleton},
 };
@@ -57,14 +57,6 @@ impl Joints {
             Handle::Position => None,
             Handle::Joint(id) => Some(id),
         })
-    }
-
-    /// Returns what is selected, as commands on layers have it.
-    pub fn selection(&self, skeleton: &Skeleton) -> Selection {
-        Selection {
-            position: self.is_selected(Handle::Position),
-            joints: self.ids().map(|id| joint_name(skeleton, id)).collect(),
-        }
     }
 
     /// Leaves out what the clip does not let be edited, after its carrier has changed.

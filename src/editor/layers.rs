@@ -2,7 +2,7 @@
 //!
 //! The list stands as it is laid, the uppermost layer first. One of its layers is in use: poses and keys go into it.
 
-use super::{Asking, COMMANDS, Editor, Effect, Message, Prompt, Row, RowKind, TABS, Tab};
+use super::{Asking, COMMANDS, Editor, Effect, Message, Prompt, Row, RowKind, TABS, Tab, panel::counted};
 use crate::{
     displace::{Interpolation, Layer},
     document::{Change, ChangeError, LayerChange, LayerRefusal},
@@ -16,8 +16,8 @@ const HELP: &str = "+ - [ ] weight, enter name; after B: o on or off, i interpol
                     p r clear its maps, n new, d delete.";
 
 /// The same of a layer that is part of the motion.
-const MERGED_HELP: &str = "Part of the motion: enter names it; after B: k j higher or lower, d deletes it, n makes a \
-                           new layer for edits.";
+const MERGED_HELP: &str = "Part of the motion, below the others: enter names it; after B: d deletes it, n makes a new \
+                           layer for edits.";
 
 /// Returns the rows of the list.
 pub(super) fn rows(editor: &Editor) -> Vec<Row> {
@@ -53,10 +53,7 @@ fn on_off(on: bool) -> &'static str {
 
 /// Says how many keys a layer has.
 fn keys_in_words(layer: &Layer) -> String {
-    match layer.frames().count() {
-        1 => "1 key".to_owned(),
-        n => format!("{n} keys"),
-    }
+    counted(layer.frames().count(), "key")
 }
 
 /// Says why a change cannot be made, and the key that helps.
@@ -222,7 +219,13 @@ pub(super) fn ask_name(editor: &mut Editor) -> Effect {
 pub(super) fn rename(editor: &mut Editor, layer_idx: usize, name: &str) {
     match name.trim() {
         "" => editor.say(Message::error("a layer needs a name".to_owned())),
-        name => _ = change(editor, "layer.rename", LayerChange::Rename { layer_idx, name: name.to_owned() }),
+        name => {
+            let was = editor.document.edits().layers.get(layer_idx).map(|layer| layer.name.clone());
+            let renamed = LayerChange::Rename { layer_idx, name: name.to_owned() };
+            if change(editor, "layer.rename", renamed) {
+                editor.say(Message::note(format!("{} is called {name} now", was.unwrap_or_default())));
+            }
+        }
     }
 }
 

@@ -2,7 +2,10 @@
 
 use toml::Value;
 
-use super::{Editor, Effect, Message, Row, RowKind, panel::fact};
+use super::{
+    Editor, Effect, Message, Row, RowKind,
+    panel::{counted, fact},
+};
 use crate::{document::Change, path::Cycling};
 
 /// Returns the loops that were found, the best first, once there is something to repeat.
@@ -12,7 +15,7 @@ pub(super) fn rows(editor: &Editor) -> Vec<Row> {
     let rest = solved.clip.rest_frames();
     let in_use = solved.walked.repeat.map_or_else(
         || "the path is no longer than the clip".to_owned(),
-        |_| format!("{} seams", solved.measures.seam.len()),
+        |_| counted(solved.measures.seam.len(), "seam"),
     );
     let in_use = fact("repeated", in_use, "How often the loop begins again before the path ends.".to_owned());
     let found = loops.best.iter().enumerate().map(|(loop_idx, found)| {

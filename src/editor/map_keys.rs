@@ -2,11 +2,11 @@
 //! keys between which the clip is replaced.
 //!
 //! They sit at file frames, those of the frame of the clip that is seen. Commands are about the selected maps of the
-//! layer in use, or about the active joint's while nothing is selected.
+//! layer in use, or about the active joint's while nothing is selected; the carrier as a joint has two.
 
 use toml::Value;
 
-use super::{Asking, Editor, Effect, Handle, Message, Prompt, maps};
+use super::{Asking, Editor, Effect, Handle, Message, Prompt, maps, panel::counted};
 use crate::{
     displace::{Layer, Selection, joint_name},
     document::{Change, KeyChange, LayerRefusal},
@@ -127,8 +127,8 @@ pub(super) fn tell_of(editor: &mut Editor, maps: &Selection) {
     let frame = editor.file_frame();
     let points = layer.map_points(maps);
     let here = points.iter().filter(|point| point.frame == frame).count();
-    let keys = if here == 1 { "key" } else { "keys" };
-    let text = format!("{}: {here} {keys} at file frame {frame}, {} in all", layer.name, points.len());
+    let here = counted(here, "key");
+    let text = format!("{}: {here} at file frame {frame}, {} in all", layer.name, points.len());
     editor.say(Message::note(text));
 }
 
@@ -143,11 +143,7 @@ pub(super) fn count(editor: &Editor, handle: Handle) -> Option<String> {
         }
     };
     let sign = if frames.contains(&editor.file_frame()) { "◆ " } else { "" };
-    match frames.len() {
-        0 => None,
-        1 => Some(format!("{sign}1 key")),
-        n => Some(format!("{sign}{n} keys")),
-    }
+    (!frames.is_empty()).then(|| format!("{sign}{}", counted(frames.len(), "key")))
 }
 
 /// Sets an interpolation key at the playhead; the second one makes a range.

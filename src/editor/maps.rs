@@ -3,12 +3,15 @@
 //! All layers together turn a joint about some axis. A layer that goes from key to key by Euler angles is charted alone
 //! and as it is: by what it adds to each of the joint's channels.
 
+use std::collections::BTreeSet;
+
 use glam::{DQuat, DVec3};
 
 use super::{Editor, Handle, Row, RowKind, TABS, Tab, panel};
 use crate::{
     displace::{MapPoint, PointValue, Selection, Stack, find_joint, joint_name},
     math::rotation_vector_between,
+    motion::Clip,
     skeleton::JointId,
 };
 
@@ -90,18 +93,28 @@ impl Editor {
     }
 
     /// Returns the maps that key commands act on: those selected, or of the handle that keys act on when none is. The
-    /// carrier as a joint has both its maps: it is moved by the one and turned by the other.
+    /// carrier as a joint has both its maps, for it is moved by the one and turned by the other.
     pub fn map_selection(&self) -> Selection {
-        let clip = &self.document.solved().clip;
-        let (skeleton, carrier) = (&clip.skeleton, clip.facts.carrier.value);
         let joints = &self.view.joints;
-        if !joints.selected.is_empty() {
-            return joints.selection(skeleton);
+        let clip = &self.document.solved().clip;
+        if joints.selected.is_empty() {
+            selection(clip, &[joints.active].into())
+        } else {
+            selection(clip, &joints.selected)
         }
-        match joints.active {
-            Handle::Position => Selection { position: true, ..Selection::default() },
-            Handle::Joint(id) => Selection { position: id == carrier, joints: [joint_name(skeleton, id)].into() },
-        }
+    }
+}
+
+/// Returns the maps of some handles.
+fn selection(clip: &Clip, handles: &BTreeSet<Handle>) -> Selection {
+    let joint = |&handle: &Handle| match handle {
+        Handle::Position => None,
+        Handle::Joint(id) => Some(joint_name(&clip.skeleton, id)),
+    };
+    let carrier = Handle::Joint(clip.facts.carrier.value);
+    Selection {
+        position: handles.contains(&Handle::Position) || handles.contains(&carrier),
+        joints: handles.iter().filter_map(joint).collect(),
     }
 }
 
@@ -109,25 +122,33 @@ fn components(values: &[DVec3]) -> [Vec<f64>; 3] {
     [0, 1, 2].map(|axis| values.iter().map(|value| value[axis]).collect())
 }
 
-/// Returns the map points of the selection, a row for each.
+/// Returns the map points of the selection, a row for each: what the key holds comes before the map's name, so that a
+/// narrow panel cuts the name.
 pub(super) fn rows(editor: &Editor) -> Vec<Row> {
     let Some(layer) = editor.document.edits().layers.get(editor.view.layer_idx) else { return Vec::new() };
-    let points = layer.map_points(&editor.map_selection()).into_iter().enumerate();
-    let skeleton = &editor.document.solved().clip.skeleton;
+    let points = layer.map_points(&editor.map_selection());
+    let clip = &editor.document.solved().clip;
+    let (skeleton, decimals) = (&clip.skeleton, panel::decimals(clip.facts.height.value) + 1);
+    let widest = |text: &dyn Fn(&MapPoint) -> String| points.iter().map(|p| text(p).chars().count()).max().unwrap_or(0);
+    let frames = widest(&|point| point.frame.to_string());
+    let values = widest(&|point| point.value.short(decimals));
     let handle = |value: &PointValue| match value {
         PointValue::Position(_) => Handle::Position,
         PointValue::Rotation(name, _) => find_joint(skeleton, name).map_or(editor.view.joints.active, Handle::Joint),
     };
-    let row = |(point_idx, point): (usize, MapPoint)| Row {
-        kind: RowKind::MapPoint { point_idx, frame: point.frame, handle: handle(&point.value) },
-        label: format!("{:>5} {}", point.frame, point.value.map_name()),
-        value: point.value.to_string(),
-        unit: "",
-        changed: false,
-        selected: false,
-        help: format!("A key of {} at file frame {}; j and k walk with the playhead.", layer.name, point.frame),
+    let row = |(point_idx, point): (usize, &MapPoint)| {
+        let MapPoint { frame, value } = point;
+        Row {
+            kind: RowKind::MapPoint { point_idx, frame: *frame, handle: handle(value) },
+            label: format!("{frame:>frames$} {:<values$} {}", value.short(decimals), value.map_name()),
+            value: String::new(),
+            unit: "",
+            changed: false,
+            selected: false,
+            help: format!("{}: {value}; j and k walk the keys of {} with the playhead.", value.map_name(), layer.name),
+        }
     };
-    points.map(row).collect()
+    points.iter().enumerate().map(row).collect()
 }
 
 /// Takes the playhead to the frame of a key; where the edited clip ends before it, stays.

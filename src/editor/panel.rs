@@ -3,6 +3,7 @@
 use super::{Editor, Group, Handle, ViewState, feet, joints, layers, loops, maps, views};
 use crate::{
     document::{PARAMETERS, Parameter},
+    math::fixed,
     measure::Pair,
 };
 
@@ -226,6 +227,11 @@ fn selected_idx(editor: &Editor, rows: &[Row]) -> Option<usize> {
     rows.iter().position(|row| row.kind == kind)
 }
 
+/// Says how many there are of something.
+pub(super) fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 pub(super) fn fact(label: &str, value: String, help: String) -> Row {
     Row { kind: RowKind::Fact, label: label.to_owned(), value, unit: "", changed: false, selected: false, help }
 }
@@ -241,7 +247,7 @@ fn point_rows(editor: &Editor) -> Vec<Row> {
         .map(|(point_idx, p)| Row {
             kind: RowKind::Point { point_idx },
             label: format!("{} point {}", if point_idx == editor.view.point_idx { '◆' } else { '●' }, point_idx + 1),
-            value: format!("{:.digits$} {:.digits$} {:.digits$}", p.x, p.y, p.z),
+            value: p.to_array().map(|n| fixed(n, digits)).join(" "),
             unit: "",
             changed: given,
             selected: false,
@@ -251,7 +257,7 @@ fn point_rows(editor: &Editor) -> Vec<Row> {
 }
 
 /// Decimals that show a thousandth of a body height.
-fn decimals(height: f64) -> usize {
+pub(super) fn decimals(height: f64) -> usize {
     (3.0 - height.log10()).ceil().clamp(0.0, 6.0) as usize
 }
 
@@ -334,7 +340,7 @@ fn feet_rows(editor: &Editor) -> Vec<Row> {
     };
     rows.push(fact(
         "foot",
-        format!("{}, {} plants", foot.leg.side.name(), foot.plants.len()),
+        format!("{}, {}", foot.leg.side.name(), counted(foot.plants.len(), "plant")),
         "F chooses the other foot, h and l walk from plant to plant, m begins what is done with one.".to_owned(),
     ));
     rows.extend((0..foot.plants.len()).map(|plant_idx| Row {

@@ -8,6 +8,15 @@ use wide::f64x4;
 /// Frames in a group.
 pub(crate) const LANES: usize = 4;
 
+/// Returns four values of a list from one on, the last of the list in place of what is beyond it.
+#[inline(always)]
+pub(crate) fn four<T>(list: &[T], at: usize) -> [&T; LANES] {
+    match list.get(at..at + LANES) {
+        Some(values) => std::array::from_fn(|lane| &values[lane]),
+        None => std::array::from_fn(|lane| &list[(at + lane).min(list.len() - 1)]),
+    }
+}
+
 /// Four vectors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VecLanes {

@@ -8,7 +8,7 @@ mod two_bone;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use two_bone::TwoBones;
+pub(crate) use two_bone::{Limbs, straight_hinge};
 pub use two_bone::{Turns, TwoBone, shortest_arc};
 
 /// A rotation followed by a translation.
@@ -55,8 +55,8 @@ impl std::ops::Mul for Rigid {
 
 /// Returns the heading of a direction, radians in (−π, π]; none where it has no horizontal part.
 pub fn heading_rad(direction: DVec3) -> Option<f64> {
-    let flat = direction.x.hypot(direction.z);
-    (flat > 0.0 && flat.is_finite()).then(|| direction.x.atan2(direction.z))
+    let DVec3 { x, z, .. } = direction;
+    ((x != 0.0 || z != 0.0) && x.is_finite() && z.is_finite()).then(|| x.atan2(z))
 }
 
 /// Returns the rotation about up that turns +Z to this heading.
@@ -84,6 +84,9 @@ pub fn rotation_vector_between(from: DQuat, to: DQuat) -> DVec3 {
 /// Brings an angle into (−π, π].
 pub fn wrap_rad(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
+    if -PI < angle && angle <= PI {
+        return angle;
+    }
     let wrapped = (angle + PI).rem_euclid(TAU) - PI;
     if wrapped <= -PI { wrapped + TAU } else { wrapped }
 }
@@ -92,6 +95,15 @@ pub fn wrap_rad(angle: f64) -> f64 {
 pub fn unwrap_rad(angles: &mut [f64]) {
     for i in 1..angles.len() {
         angles[i] = angles[i - 1] + wrap_rad(angles[i] - angles[i - 1]);
+    }
+}
+
+/// Writes a number with so many decimals; where they show nothing it is 0, without a sign.
+pub fn fixed(n: f64, decimals: usize) -> String {
+    let text = format!("{n:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.to_owned(),
+        _ => text,
     }
 }
 
@@ -121,6 +133,15 @@ mod tests {
         }
         assert_eq!(heading_rad(DVec3::Y), None);
         assert_eq!(twist_rad(DQuat::from_rotation_x(std::f64::consts::PI)).abs(), 0.0);
+    }
+
+    #[test]
+    fn nothing_is_written_without_a_sign() {
+        for (n, decimals, expected) in
+            [(-0.0, 3, "0.000"), (-4e-4, 3, "0.000"), (-6e-4, 3, "-0.001"), (-0.4, 0, "0"), (-10.0, 1, "-10.0")]
+        {
+            assert_eq!(fixed(n, decimals), expected);
+        }
     }
 
     #[test]

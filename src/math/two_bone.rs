@@ -17,6 +17,9 @@ use super::lanes::{LANES, QuatLanes, VecLanes};
 /// A cosine this near to the one opposite has no axis.
 const OPPOSITE: f64 = 1e-12;
 
+/// What lies along a thigh but for this sine says nothing of where the knee goes.
+const ALONG: f64 = 0.1;
+
 /// A leg, or any limb of two bones, and where its end should be, all in one space.
 #[derive(Clone, Copy, Debug)]
 pub struct TwoBone {
@@ -41,12 +44,23 @@ pub struct Turns {
     pub reached: DVec3,
 }
 
-/// Four of [`TwoBone`].
-pub(crate) struct TwoBones {
+/// Four legs as they are bent, and what of the turns does not hang on where they should end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limbs {
     pub(crate) thigh: VecLanes,
     pub(crate) shin: VecLanes,
     pub(crate) hinge: VecLanes,
-    pub(crate) target: VecLanes,
+    /// `n × v`.
+    across: VecLanes,
+    /// `v·n`.
+    along_shin: f64x4,
+    /// `(|u|² + |v|²) / 2 + A`.
+    longest: f64x4,
+    /// One over the radius of B and C; 0 where no bend changes the length.
+    inverse: f64x4,
+    /// Cosine and sine of the bend as it is.
+    cos_was: f64x4,
+    sin_was: f64x4,
 }
 
 /// Four of [`Turns`].
@@ -60,37 +74,54 @@ impl TwoBone {
     /// Finds the turns; a target out of reach is approached as far as the leg is long.
     pub fn solve(&self) -> Turns {
         let [thigh, shin, hinge, target] = [self.thigh, self.shin, self.hinge, self.target].map(VecLanes::splat);
-        let turns = TwoBones { thigh, shin, hinge, target }.solve();
+        let turns = Limbs::new(thigh, shin, hinge).reach(target);
         Turns { knee: turns.knee.lanes()[0], hip: turns.hip.lanes()[0], reached: turns.reached.lanes()[0] }
     }
 }
 
-impl TwoBones {
-    /// Finds the turns of all four.
-    #[inline(always)]
-    pub(crate) fn solve(&self) -> TurnLanes {
-        let Self { thigh: u, shin: v, hinge: n, target } = *self;
-        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
-        let across = n.cross(v);
-        let along_v = v.dot(n);
-        let along = u.dot(n) * along_v;
-        let (b, c) = (u.dot(v) - along, u.dot(across));
+impl Limbs {
+    /// Takes legs as in [`TwoBone`].
+    pub(crate) fn new(thigh: VecLanes, shin: VecLanes, hinge: VecLanes) -> Self {
+        let across = hinge.cross(shin);
+        let along_shin = shin.dot(hinge);
+        let along = thigh.dot(hinge) * along_shin;
+        let (b, c) = (thigh.dot(shin) - along, thigh.dot(across));
         let radius = (b * b + c * c).sqrt();
-        let bends = radius.simd_gt(zero);
-        let inverse = bends.bitselect(one / radius, zero);
-        let wanted = f64x4::splat(0.5) * (target.length_squared() - u.length_squared() - v.length_squared());
-        // cos and sin of the bend as it is and as it has to be.
-        let (cos_was, sin_was) = (b * inverse, -c * inverse);
-        let cos = ((wanted - along) * inverse).fast_max(-one).fast_min(one);
+        let inverse = radius.simd_gt(f64x4::ZERO).bitselect(f64x4::ONE / radius, f64x4::ZERO);
+        let longest = f64x4::splat(0.5) * (thigh.length_squared() + shin.length_squared()) + along;
+        Self { thigh, shin, hinge, across, along_shin, longest, inverse, cos_was: b * inverse, sin_was: -c * inverse }
+    }
+
+    /// Finds the turns that take the legs' ends to these places, seen from the hips.
+    #[inline(always)]
+    pub(crate) fn reach(&self, target: VecLanes) -> TurnLanes {
+        let Self { shin: v, hinge: n, cos_was, sin_was, .. } = *self;
+        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
+        let bends = self.inverse.simd_gt(zero);
+        let wanted = f64x4::splat(0.5) * target.length_squared() - self.longest;
+        let cos = (wanted * self.inverse).fast_max(-one).fast_min(one);
         let sin = (one - cos * cos).sqrt();
         let cos_turn = bends.bitselect(cos * cos_was + sin * sin_was, one);
         let sin_turn = bends.bitselect(sin * cos_was - cos * sin_was, zero);
         let knee = about(n, cos_turn, sin_turn);
-        let turned = v.scaled(cos_turn).plus(across.scaled(sin_turn)).plus(n.scaled(along_v * (one - cos_turn)));
-        let reached = u.plus(turned);
+        let on_hinge = n.scaled(self.along_shin * (one - cos_turn));
+        let turned = v.scaled(cos_turn).plus(self.across.scaled(sin_turn)).plus(on_hinge);
+        let reached = self.thigh.plus(turned);
         let hip = shortest_arcs(reached, target);
         TurnLanes { knee, hip, reached: hip.rotate(reached) }
     }
+}
+
+/// Returns the unit hinge of a knee that is straight and shows none, all in one space, lengths of no account.
+///
+/// It is across the thigh, so that the knee goes where the foot points, from ankle to toe; where that is along the leg,
+/// towards the body's left (`left`); where that is, any axis across.
+pub(crate) fn straight_hinge(thigh: DVec3, foot: DVec3, left: DVec3) -> DVec3 {
+    let [along, foot, left] = [thigh, foot, left].map(DVec3::normalize_or_zero);
+    let forward = foot.cross(along);
+    let lateral = left.reject_from(along);
+    let known = [forward, lateral].into_iter().find(|axis| axis.length() > ALONG);
+    known.map_or_else(|| along.try_normalize().unwrap_or(DVec3::Y).any_orthonormal_vector(), DVec3::normalize)
 }
 
 /// Returns the rotations about unit axes with these cosines and sines.
@@ -204,6 +235,29 @@ mod tests {
         let (thigh, shin) = (DVec3::new(0.02, -0.4, 0.15), DVec3::new(-0.01, -0.38, -0.12));
         let turns = TwoBone { thigh, shin, hinge: thigh.cross(shin).normalize(), target: thigh + shin }.solve();
         assert!(turns.knee.angle_between(DQuat::IDENTITY) < 1e-7 && turns.hip.angle_between(DQuat::IDENTITY) < 1e-7);
+    }
+
+    #[test]
+    fn a_straight_knee_goes_where_the_foot_points() {
+        let (thigh, shin) = (DVec3::NEG_Y, DVec3::NEG_Y);
+        for (foot, left, knee) in [
+            (DVec3::new(0.0, -0.4, 1.0), DVec3::ZERO, Some(DVec3::Z)),
+            (DVec3::X, DVec3::X, Some(DVec3::X)),
+            (DVec3::new(0.0, -1.0, 1e-3), DVec3::X, Some(DVec3::Z)),
+            (DVec3::ZERO, DVec3::new(-0.2, 0.3, 0.0), Some(DVec3::NEG_Z)),
+            (DVec3::NEG_Y, DVec3::Y, None),
+            (DVec3::ZERO, DVec3::ZERO, None),
+        ] {
+            for parent in parents() {
+                let [thigh, shin, foot, left] = [thigh, shin, foot, left].map(|v| parent.rotation * v);
+                let hinge = straight_hinge(thigh, foot, left);
+                assert!(hinge.is_normalized() && hinge.dot(thigh).abs() < 1e-12, "{foot} {left}: {hinge}");
+                let turns = TwoBone { thigh, shin, hinge, target: 1.6 * thigh }.solve();
+                let way = parent.rotation.conjugate() * (turns.hip * thigh).reject_from(thigh).normalize();
+                assert!(knee.is_none_or(|knee| way.abs_diff_eq(knee, 1e-9)), "{foot} {left}: {way}");
+            }
+        }
+        assert!(straight_hinge(DVec3::ZERO, DVec3::X, DVec3::X).is_normalized(), "no thigh at all");
     }
 
     #[test]

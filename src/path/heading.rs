@@ -80,7 +80,7 @@ impl Headings {
     fn constant(net: DVec3, shortest: f64, fallback_rad: f64) -> Self {
         let long = |l: f64| l > 0.0 && l >= shortest;
         Self::Constant {
-            heading_rad: heading_rad(net).filter(|_| long(net.x.hypot(net.z))).unwrap_or(fallback_rad),
+            heading_rad: heading_rad(net).filter(|_| long(flat_length(net))).unwrap_or(fallback_rad),
             slope_rad: if long(net.length()) { slope_rad(net) } else { 0.0 },
         }
     }
@@ -110,7 +110,7 @@ pub(super) fn tangent_directions(
     let long = |l: f64| l > shortest && l.is_finite();
     let (mut headings, slopes): (Vec<_>, Vec<_>) = tangents
         .map(|t| {
-            let heading = if long(t.x.hypot(t.z)) { heading_rad(t) } else { None };
+            let heading = if long(flat_length(t)) { heading_rad(t) } else { None };
             (heading, long(t.length()).then(|| slope_rad(t)))
         })
         .unzip();
@@ -120,12 +120,16 @@ pub(super) fn tangent_directions(
 
 /// Returns the slope of a direction above the horizontal.
 fn slope_rad(direction: DVec3) -> f64 {
-    direction.y.atan2(direction.x.hypot(direction.z))
+    direction.y.atan2(flat_length(direction))
+}
+
+fn flat_length(direction: DVec3) -> f64 {
+    (direction.x * direction.x + direction.z * direction.z).sqrt()
 }
 
 /// Returns heading and slope of a chord, where it is long enough to have them.
 fn directions(chord: DVec3, shortest: f64) -> (Option<f64>, Option<f64>) {
-    let heading = if chord.x.hypot(chord.z) < shortest { None } else { heading_rad(chord) };
+    let heading = if flat_length(chord) < shortest { None } else { heading_rad(chord) };
     (heading, (chord.length() >= shortest).then(|| slope_rad(chord)))
 }
 

@@ -128,7 +128,7 @@ impl Plain {
     }
 
     pub(crate) fn job(&self, ground: Ground) -> Job<'_> {
-        Job { carrier: &self.carrier, path: &self.path, original: &self.original, ground }
+        Job { carrier: &self.carrier, own: &[], path: &self.path, original: &self.original, ground }
     }
 
     pub(crate) fn unheld(&self) -> Held {

@@ -232,6 +232,37 @@ fn the_joints_tab_says_how_to_move_a_joint() {
 }
 
 #[test]
+fn the_maps_tab_shows_what_keys_hold_at_every_width() {
+    let built_in = document::open(None).expect("the built-in clip opens").source.bvh.text().to_vec();
+    let long = "skeleton:LeftUpperChestOfALongName";
+    let text = String::from_utf8(built_in).expect("text").replace("Chest", long);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("long.bvh");
+    fs::write(&file, text).expect("written");
+    let mut editor = Editor::new(Document::new(document::open(Some(&file)).expect("a clip")), Vec::new());
+    editor.keys(":");
+    editor.paste(&format!(
+        "layer=[{{name='nod', position=[{{frame=20,value=[-12.345,-0.0,100.5]}}], rotation={{\
+         '{long}'=[{{frame=120,value=[0.9,0,0,0.1]}}], Hips=[{{frame=120,value=[0.1,0.57,0.57,-0.57]}}]}}}}]"
+    ));
+    let maps = TABS.iter().position(|tab| *tab == Tab::Maps).expect("a tab");
+    editor.keys(&format!("<enter>ga{}", "<tab>".repeat(maps)));
+    for size in [(80, 24), (100, 30), (120, 40), (200, 50)] {
+        let shown = lines(&drawn(&editor, &AROUND, size).0);
+        for (value, name) in [
+            ("  20 -12.35 0.00 100.50", "position"),
+            ("120 97.24 97.24 -97.24°", "Hips"),
+            ("120 0.00 0.00 12.68°", "skelet"),
+        ] {
+            let has = |line: &&String| line.split_once(value).is_some_and(|(_, rest)| rest.trim().starts_with(name));
+            assert!(shown.iter().any(|line| has(&line)), "{size:?} {value}:\n{}", shown.join("\n"));
+        }
+        let in_full = "position: lateral -12.3450 up";
+        assert!(shown.iter().any(|line| line.contains(in_full)), "{size:?}:\n{}", shown.join("\n"));
+    }
+}
+
+#[test]
 fn help_scrolls_to_its_end_and_no_farther() {
     let mut editor = after("?");
     let shown = |editor: &mut Editor| {
