@@ -1,56 +1,54 @@
 //! Symmetric positive definite band matrices: Cholesky without pivots, rows of a fixed width.
 
-/// The lower band of a symmetric matrix: `rows[i][j]` is element (i, i − j) for `j` below `WIDTH`.
+/// The lower band of a symmetric matrix: `columns[j][d]` is element (j + d, j) for `d` below `WIDTH`.
 pub(super) struct Banded<const WIDTH: usize> {
-    rows: Vec<[f64; WIDTH]>,
+    columns: Vec<[f64; WIDTH]>,
 }
 
 impl<const WIDTH: usize> Banded<WIDTH> {
     /// Makes a matrix of zeros.
     pub(super) fn zeros(n: usize) -> Self {
-        Self { rows: vec![[0.0; WIDTH]; n] }
+        // What is beyond the last column is there for every column to have as many after it.
+        Self { columns: vec![[0.0; WIDTH]; n + WIDTH] }
     }
 
     /// Adds to element (row, column); `column` is at most `row`, and less than `WIDTH` before it.
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
-        self.rows[row][row - column] += value;
+        self.columns[column][row - column] += value;
     }
 
-    /// Solves for the right-hand side in place. The matrix must be positive definite.
-    pub(super) fn solve(mut self, rhs: &mut [f64]) {
-        let n = self.rows.len();
-        for i in 0..n {
-            let mut row = self.rows[i];
-            let first = (WIDTH - 1).min(i);
-            // Columns from left to right; row[j] is column i − j.
-            for j in (1..=first).rev() {
-                let other = &self.rows[i - j];
-                let mut sum = row[j];
-                for k in j + 1..=first {
-                    sum -= row[k] * other[k - j];
-                }
-                row[j] = sum * other[0];
-            }
-            let mut diagonal = row[0];
-            for value in &row[1..=first] {
-                diagonal -= value * value;
-            }
+    /// Solves for the right-hand side. The matrix must be positive definite.
+    ///
+    /// Each column is taken off those after it as soon as it is known: sums that do not wait for one another.
+    pub(super) fn solve(mut self, mut rhs: Vec<f64>) -> Vec<f64> {
+        let n = rhs.len();
+        rhs.resize(n + WIDTH, 0.0);
+        for j in 0..n {
+            let [column, after @ ..] = &mut self.columns[j..j + WIDTH] else {
+                unreachable!("a column and those after it")
+            };
             // The diagonal is kept inverted.
-            row[0] = 1.0 / diagonal.max(f64::MIN_POSITIVE).sqrt();
-            let mut sum = rhs[i];
-            for j in 1..=first {
-                sum -= row[j] * rhs[i - j];
+            let inverse = 1.0 / column[0].max(f64::MIN_POSITIVE).sqrt();
+            column.iter_mut().for_each(|value| *value *= inverse);
+            column[0] = inverse;
+            let mut below = [[0.0; WIDTH]; 2];
+            below[0] = *column;
+            let below = below.as_flattened();
+            for (d, after) in (1..).zip(after) {
+                let share = column[d];
+                after.iter_mut().zip(&below[d..d + WIDTH]).for_each(|(value, below)| *value -= share * below);
             }
-            rhs[i] = sum * row[0];
-            self.rows[i] = row;
+            let known = rhs[j] * inverse;
+            rhs[j] = known;
+            rhs[j + 1..j + WIDTH].iter_mut().zip(&column[1..]).for_each(|(value, below)| *value -= known * below);
         }
-        for i in (0..n).rev() {
-            let row = &self.rows[i];
-            rhs[i] *= row[0];
-            for j in 1..=(WIDTH - 1).min(i) {
-                rhs[i - j] -= row[j] * rhs[i];
-            }
+        for j in (0..n).rev() {
+            let [inverse, below @ ..] = &self.columns[j][..] else { unreachable!("a column has a diagonal") };
+            let known = below.iter().zip(&rhs[j + 1..]).fold(rhs[j], |rest, (below, x)| rest - below * x);
+            rhs[j] = known * inverse;
         }
+        rhs.truncate(n);
+        rhs
     }
 }
 
@@ -73,10 +71,9 @@ mod tests {
             }
         }
         let solution: Vec<f64> = (0..N).map(|i| (i as f64).cos()).collect();
-        let mut rhs: Vec<f64> =
+        let rhs: Vec<f64> =
             (0..N).map(|row| (0..N).map(|column| element(row, column) * solution[column]).sum()).collect();
-        matrix.solve(&mut rhs);
-        for (found, expected) in rhs.iter().zip(&solution) {
+        for (found, expected) in matrix.solve(rhs).iter().zip(&solution) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
     }

@@ -257,14 +257,7 @@ mod tests {
 
     #[test]
     fn a_leg_may_ask_for_more_the_further_its_foot_is_drawn_in() {
-        let frame = |reach| LegFrame {
-            hip: DVec3::ZERO,
-            reach,
-            bend: 0.0,
-            length: 1.0,
-            ankle: Rigid::IDENTITY,
-            toe: DVec3::ZERO,
-        };
+        let frame = |reach| LegFrame { hip: DVec3::ZERO, reach, bend: 0.0, length: 1.0 };
         let bent = frame(0.8);
         assert_eq!((bent.limit_when(0.0), bent.limit_when(1.0)), (LIMIT, f64::INFINITY));
         for free in [0.1, 0.5, 0.9] {

@@ -444,8 +444,7 @@ impl Equations {
         if damping > 0.0 {
             (0..self.force.len()).for_each(|row| self.stiffness.add(row, row, damping));
         }
-        self.stiffness.solve(&mut self.force);
-        self.force.chunks_exact(3).map(DVec3::from_slice).collect()
+        self.stiffness.solve(self.force).chunks_exact(3).map(DVec3::from_slice).collect()
     }
 }
 

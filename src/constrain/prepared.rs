@@ -14,7 +14,7 @@ use crate::{
     contact::{FootPlants, GroundSlope, Plant, PlantMode},
     math::{
         Limbs, Rigid,
-        lanes::{LANES, QuatLanes, RigidLanes, VecLanes},
+        lanes::{LANES, QuatLanes, RigidLanes, VecLanes, by_lane, four},
         straight_hinge,
     },
     motion::{Clip, EditedClip, Leg, Side},
@@ -68,11 +68,13 @@ pub(super) struct PreparedLeg {
 #[derive(Debug)]
 pub(super) struct LegShape {
     pub(super) frames: Arc<Vec<LegFrame>>,
-    /// The same, four by four.
+    /// Where its foot is.
+    feet: Vec<FootAt>,
+    /// The whole leg, four frames by four.
     pub(super) poses: Vec<LegPoses>,
 }
 
-/// Where a foot of the source is at one frame, world.
+/// Where a foot of the source is at one frame: world, unless said otherwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FootAt {
     pub(super) ankle: Rigid,
@@ -91,7 +93,7 @@ pub(super) struct PreparedPlant {
     pub(super) along: DVec3,
 }
 
-/// Where one leg is at one frame, in the carrier's space.
+/// What holding asks of one leg at one frame, in the carrier's space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegFrame {
     pub(super) hip: DVec3,
@@ -101,8 +103,6 @@ pub(super) struct LegFrame {
     pub(super) bend: f64,
     /// Length of thigh and shin together.
     pub(super) length: f64,
-    pub(super) ankle: Rigid,
-    pub(super) toe: DVec3,
 }
 
 /// How one leg is bent at four frames, the last ones of a clip repeated; in the carrier's space.
@@ -197,11 +197,11 @@ impl PreparedLeg {
     fn new(foot: &FootPlants, shape: Arc<LegShape>, posed: &EditedClip, own_carrier: &[Rigid]) -> Self {
         let clip = &*posed.clip;
         let n_frames = shape.frames.len();
-        let stands = |(f, leg): (usize, &LegFrame)| leg.foot_at(&turned(posed, own_carrier, f));
-        let feet: Vec<FootAt> = shape.frames.iter().enumerate().map(stands).collect();
+        let stands = |(f, foot): (usize, &FootAt)| foot.moved(&turned(posed, own_carrier, f));
+        let feet: Vec<FootAt> = shape.feet.iter().enumerate().map(stands).collect();
         let is_turned = (0..).zip(own_carrier).any(|(f, own)| posed.carrier(f).rotation != own.rotation);
         let unturned = if is_turned { own_carrier } else { &[] };
-        let own_feet: Vec<FootAt> = shape.frames.iter().zip(unturned).map(|(leg, own)| leg.foot_at(own)).collect();
+        let own_feet: Vec<FootAt> = shape.feet.iter().zip(unturned).map(|(foot, own)| foot.moved(own)).collect();
         let frames = if own_carrier.is_empty() {
             Arc::clone(&shape.frames)
         } else {
@@ -235,27 +235,27 @@ impl LegShape {
         let parts = halves(n_frames, 0, |range| {
             // The first part takes the other up.
             let room = if range.start == 0 { n_frames } else { range.len() };
-            let mut part = (Vec::with_capacity(room), Vec::with_capacity(room.div_ceil(LANES)));
+            let groups = room.div_ceil(LANES);
+            let mut part = (Vec::with_capacity(room), Vec::with_capacity(room), Vec::with_capacity(groups));
             let mut rigids = vec![RigidLanes::identity(); skeleton.n_joints()];
             for at in range.clone().step_by(LANES) {
-                posed.rigids_in_carrier(
-                    std::array::from_fn(|lane| (at + lane).min(n_frames - 1)),
-                    &joints,
-                    &mut rigids,
-                );
-                let (frames, poses) = taken(skeleton, leg, &rigids);
-                part.0.extend(&frames[..LANES.min(range.end - at)]);
-                part.1.push(poses);
+                posed.rigids_in_carrier(by_lane(|lane| (at + lane).min(n_frames - 1)), &joints, &mut rigids);
+                let (frames, feet, poses) = taken(skeleton, leg, &rigids);
+                let n = LANES.min(range.end - at);
+                part.0.extend(&frames[..n]);
+                part.1.extend(&feet[..n]);
+                part.2.push(poses);
             }
             part
         });
         let mut parts = parts.into_iter();
-        let (mut frames, mut poses) = parts.next().expect("at least one part");
-        for (more_frames, more_poses) in parts {
+        let (mut frames, mut feet, mut poses) = parts.next().expect("at least one part");
+        for (more_frames, more_feet, more_poses) in parts {
             frames.extend(more_frames);
+            feet.extend(more_feet);
             poses.extend(more_poses);
         }
-        let mut shape = Self { frames: Arc::new(frames), poses };
+        let mut shape = Self { frames: Arc::new(frames), feet, poses };
         set_hinges(&mut shape, leg.side);
         shape
     }
@@ -266,11 +266,6 @@ impl LegFrame {
     fn as_long_as(&self, reach: f64) -> Self {
         let reach = reach.min(self.reach.max(LONGEST * self.length));
         Self { reach, bend: bend(reach, self.length), ..*self }
-    }
-
-    /// Returns where the foot is when the carrier is there.
-    fn foot_at(&self, carrier: &Rigid) -> FootAt {
-        FootAt { ankle: *carrier * self.ankle, toe: carrier.point(self.toe) }
     }
 }
 
@@ -306,7 +301,7 @@ fn toe_joint(skeleton: &Skeleton, leg: &Leg) -> JointId {
 }
 
 /// Takes a leg out of four poses in the carrier's space; the hinge is what the bend shows, of the length of its sine.
-fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; LANES], LegPoses) {
+fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; LANES], [FootAt; LANES], LegPoses) {
     let rotation = |joint: usize| rigids[joint].rotation;
     let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
     let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| rigids[joint.idx()].translation);
@@ -323,14 +318,13 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
     let reach = hip.minus(ankle).length().to_array();
     let length = (thigh.length() + shin.length()).to_array();
     let (hips, ankles, toes, ankle_rotations) = (hip.lanes(), ankle.lanes(), toe.lanes(), ankle_rotation.lanes());
-    let frames = std::array::from_fn(|lane| LegFrame {
+    let frames = by_lane(|lane| LegFrame {
         hip: hips[lane],
         reach: reach[lane],
         bend: bend(reach[lane], length[lane]),
         length: length[lane],
-        ankle: Rigid::new(ankle_rotations[lane], ankles[lane]),
-        toe: toes[lane],
     });
+    let feet = by_lane(|lane| FootAt { ankle: Rigid::new(ankle_rotations[lane], ankles[lane]), toe: toes[lane] });
     let poses = LegPoses {
         limbs: Limbs::new(thigh, shin, thigh.normalized().cross(shin.normalized())),
         hip,
@@ -341,7 +335,7 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
         ankle_parent: parent(leg.ankle.idx()),
         toe: ankle_rotation.conjugate().rotate(toe.minus(ankle)),
     };
-    (frames, poses)
+    (frames, feet, poses)
 }
 
 /// Makes the hinges of a clip's frames unit axes: what the bend shows where there is one, what is usual for the thigh
@@ -370,9 +364,9 @@ fn set_hinges(shape: &mut LegShape, side: Side) {
 /// Returns the hinge, in the thigh's own space, of a leg that shows none: by where its foot points in the mean.
 fn hinge_of_straight(shape: &LegShape, side: Side) -> DVec3 {
     let (mut thigh, mut foot, mut outwards) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-    for (pose, frames) in shape.poses.iter().zip(shape.frames.chunks(LANES)) {
-        let at = |lane: usize| frames[lane.min(frames.len() - 1)];
-        let feet = VecLanes::gather(|lane| at(lane).toe - at(lane).ankle.translation);
+    for (n, pose) in shape.poses.iter().enumerate() {
+        let feet = four(&shape.feet, n * LANES);
+        let feet = VecLanes::gather(|lane| feet[lane].toe - feet[lane].ankle.translation);
         for (sum, way) in [(&mut thigh, pose.limbs.thigh), (&mut foot, feet), (&mut outwards, pose.hip)] {
             *sum += in_thigh(pose, way).iter().sum::<DVec3>();
         }
@@ -388,6 +382,11 @@ fn in_thigh(pose: &LegPoses, vectors: VecLanes) -> [DVec3; LANES] {
 }
 
 impl FootAt {
+    /// Returns where a motion takes it.
+    fn moved(&self, by: &Rigid) -> Self {
+        Self { ankle: *by * self.ankle, toe: by.point(self.toe) }
+    }
+
     /// Returns the middle between ankle and toe.
     pub(super) fn middle(&self) -> DVec3 {
         0.5 * (self.ankle.translation + self.toe)

@@ -15,7 +15,7 @@ use crate::{
         with_edits,
     },
     math::Rigid,
-    measure::{Body, FootMeasure, FootNumbers, FootTracks},
+    measure::{Body, FootMeasure, FootNumbers, FootTracks, PlantSteps},
     motion::{Clip, ClipOptions, Decided, EditedClip, Leg, PointTracks, Side, legs::find_legs},
 };
 
@@ -163,7 +163,7 @@ pub(super) fn measured_feet(tracks: &PointTracks) -> Vec<FootTracks<'_>> {
 /// `edited` is where the edit has the feet; each frame shows the clip's frame of that index in `source_frames`,
 /// and `is_joined` tells whether those are joined to one another where they do not follow on.
 pub(super) fn numbers(
-    (clip, body): (&Clip, &Body),
+    (clip, body, steps): (&Clip, &Body, &[Vec<PlantSteps>]),
     plants: &[FootPlants],
     edited: &[FootTracks],
     source_frames: &[u32],
@@ -172,10 +172,11 @@ pub(super) fn numbers(
     let source = body.tracks();
     let measure = |(idx, foot): (usize, &FootPlants)| {
         FootMeasure {
-            source: FootTracks { ankle: source.track(foot.leg.ankle.idx()), toe: source.track(foot.leg.toe) },
+            source: tracks_of(&foot.leg, source),
             edited: edited[idx],
             source_frames,
             plants: &foot.plants,
+            source_steps: &steps[idx],
             is_joined,
             frame_time_secs: clip.frame_time_secs,
             height: clip.facts.height.value,
@@ -183,6 +184,15 @@ pub(super) fn numbers(
         .numbers()
     };
     plants.iter().enumerate().map(measure).collect()
+}
+
+/// Returns what feet do in their plants where a clip has them, foot by foot.
+pub(super) fn steps(body: &Body, plants: &[FootPlants]) -> Vec<Vec<PlantSteps>> {
+    plants.iter().map(|foot| PlantSteps::of(&tracks_of(&foot.leg, body.tracks()), &foot.plants)).collect()
+}
+
+fn tracks_of<'a>(leg: &Leg, tracks: &'a PointTracks) -> FootTracks<'a> {
+    FootTracks { ankle: tracks.track(leg.ankle.idx()), toe: tracks.track(leg.toe) }
 }
 
 /// Returns where a clip's frames lie in its file.

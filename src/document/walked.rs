@@ -10,7 +10,7 @@ use crate::{
     contact::FootPlants,
     cycle::{Join, Joined, Loop, LoopFinder, LoopRange, Mismatch},
     math::Rigid,
-    measure::{Body, FootNumbers, FootTracks},
+    measure::{Body, FootNumbers, FootTracks, PlantSteps},
     motion::{Clip, EditedClip, TurnedJoint},
     path::{OriginalPath, PathFrame, Residuals, may_cycle},
 };
@@ -48,6 +48,8 @@ pub struct Walked {
     pub progress: Arc<Vec<f64>>,
     /// When each of its feet stands, in the order of the legs.
     pub plants: Vec<FootPlants>,
+    /// What its feet do in them, foot by foot.
+    pub(super) steps: Arc<Vec<Vec<PlantSteps>>>,
 }
 
 impl Walked {
@@ -72,11 +74,13 @@ impl Walked {
         walk: &EditedClip,
         edited: &EditedClip,
     ) -> Vec<FootNumbers> {
-        let numbers = feet::numbers((&self.clip, &self.body), &self.plants, moved, &walk.source_frames, false);
+        let source = (&*self.clip, &*self.body, &self.steps[..]);
+        let numbers = feet::numbers(source, &self.plants, moved, &walk.source_frames, false);
         if self.joined.is_none() {
             return numbers;
         }
-        let (source, frames) = ((&**loaded.clip, &**loaded.body), &edited.source_frames);
+        let steps = feet::steps(loaded.body, &loaded.feet.plants);
+        let (source, frames) = ((&**loaded.clip, &**loaded.body, &steps[..]), &edited.source_frames);
         let source = feet::numbers(source, &loaded.feet.plants, moved, frames, true);
         numbers.into_iter().zip(&source).map(|(numbers, source)| numbers.beside(source)).collect()
     }
@@ -141,7 +145,9 @@ impl Loaded<'_> {
                 self.feet.plants.clone(),
             ),
         };
-        Walked { repeat, joined, clip, body, residuals, progress, plants }
+        let same_feet = previous.filter(|p| Arc::ptr_eq(&p.walked.body, &body) && p.walked.plants == plants);
+        let steps = reuse(same_feet, |p| &p.walked.steps, || feet::steps(&body, &plants));
+        Walked { repeat, joined, clip, body, residuals, progress, plants, steps }
     }
 
     /// Tells whether an earlier solve has the same clip on the same path.

@@ -8,12 +8,18 @@ use wide::f64x4;
 /// Frames in a group.
 pub(crate) const LANES: usize = 4;
 
+/// Makes one of each lane. (What an array's own `map` makes goes by way of memory, in a call of its own.)
+#[inline(always)]
+pub(crate) fn by_lane<T>(make: impl Fn(usize) -> T) -> [T; LANES] {
+    [make(0), make(1), make(2), make(3)]
+}
+
 /// Returns four values of a list from one on, the last of the list in place of what is beyond it.
 #[inline(always)]
 pub(crate) fn four<T>(list: &[T], at: usize) -> [&T; LANES] {
     match list.get(at..at + LANES) {
-        Some(values) => std::array::from_fn(|lane| &values[lane]),
-        None => std::array::from_fn(|lane| &list[(at + lane).min(list.len() - 1)]),
+        Some(values) => by_lane(|lane| &values[lane]),
+        None => by_lane(|lane| &list[(at + lane).min(list.len() - 1)]),
     }
 }
 
@@ -32,7 +38,7 @@ impl VecLanes {
 
     #[inline(always)]
     pub(crate) fn gather(lane: impl Fn(usize) -> DVec3) -> Self {
-        let [a, b, c, d] = [lane(0), lane(1), lane(2), lane(3)];
+        let [a, b, c, d] = by_lane(lane);
         Self {
             x: f64x4::new([a.x, b.x, c.x, d.x]),
             y: f64x4::new([a.y, b.y, c.y, d.y]),
@@ -43,7 +49,7 @@ impl VecLanes {
     #[inline(always)]
     pub(crate) fn lanes(self) -> [DVec3; LANES] {
         let (x, y, z) = (self.x.to_array(), self.y.to_array(), self.z.to_array());
-        [0, 1, 2, 3].map(|i| DVec3::new(x[i], y[i], z[i]))
+        by_lane(|lane| DVec3::new(x[lane], y[lane], z[lane]))
     }
 
     #[inline(always)]
@@ -111,7 +117,7 @@ impl QuatLanes {
 
     #[inline(always)]
     pub(crate) fn gather(lane: impl Fn(usize) -> DQuat) -> Self {
-        let [a, b, c, d] = [lane(0), lane(1), lane(2), lane(3)];
+        let [a, b, c, d] = by_lane(lane);
         Self {
             x: f64x4::new([a.x, b.x, c.x, d.x]),
             y: f64x4::new([a.y, b.y, c.y, d.y]),
@@ -123,7 +129,7 @@ impl QuatLanes {
     #[inline(always)]
     pub(crate) fn lanes(self) -> [DQuat; LANES] {
         let ([x, y], [z, w]) = ([self.x.to_array(), self.y.to_array()], [self.z.to_array(), self.w.to_array()]);
-        [0, 1, 2, 3].map(|i| DQuat::from_xyzw(x[i], y[i], z[i], w[i]))
+        by_lane(|lane| DQuat::from_xyzw(x[lane], y[lane], z[lane], w[lane]))
     }
 
     /// Returns the rotation about axis 0 (x), 1 (y) or 2 (z) with this sine and cosine of half its angle.

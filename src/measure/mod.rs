@@ -13,7 +13,7 @@ mod sweep;
 
 use glam::DVec3;
 
-pub use feet::{FootMeasure, FootNumbers, FootTracks};
+pub use feet::{FootMeasure, FootNumbers, FootTracks, PlantSteps};
 pub use placed::Turning;
 pub use seam::Seam;
 pub use sweep::{Body, Sweep};

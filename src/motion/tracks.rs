@@ -25,8 +25,13 @@ impl Track<'_> {
 
     /// Returns the horizontal distance from a frame's position to another's.
     pub fn flat_distance(&self, from: usize, to: usize) -> f64 {
+        self.flat_distance_squared(from, to).sqrt()
+    }
+
+    /// Returns the square of [`Self::flat_distance`].
+    pub fn flat_distance_squared(&self, from: usize, to: usize) -> f64 {
         let (dx, dz) = (self.x[to] - self.x[from], self.z[to] - self.z[from]);
-        (dx * dx + dz * dz).sqrt()
+        dx * dx + dz * dz
     }
 }
 

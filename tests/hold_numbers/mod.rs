@@ -9,7 +9,7 @@ use walkabout::{
     constrain::{Ground, Held, Job, Prepared, hold},
     contact::{Detection, FootPlants, PlantMode, Thresholds},
     math::Rigid,
-    measure::{FootMeasure, FootTracks},
+    measure::{FootMeasure, FootTracks, PlantSteps},
     motion::{Clip, ClipOptions, EditedClip, PointTracks, find_legs, gait},
     path::{
         Degree, Integrator, NewPath, OriginalPath, PathFrame, ResidualFrame, Residuals, Shape, ShapeKind, shape_points,
@@ -200,6 +200,7 @@ pub(crate) fn measure(subject: &Subject, held: &Held) -> Numbers {
             edited: of(&now),
             source_frames: &edited.source_frames,
             plants: &foot.plants,
+            source_steps: &PlantSteps::of(&of(source), &foot.plants),
             is_joined: false,
             frame_time_secs: clip.frame_time_secs,
             height,

@@ -51,6 +51,8 @@ pub struct FootMeasure<'a> {
     pub source_frames: &'a [u32],
     /// The foot's plants, source frames, in order of time.
     pub plants: &'a [Plant],
+    /// The source's steps in these plants, as [`PlantSteps::of`] has them.
+    pub source_steps: &'a [PlantSteps],
     /// Whether the source is joined to itself: a plant that is shown in part is then a part of a longer one, and counts
     /// whole in the source's slip.
     pub is_joined: bool,
@@ -84,13 +86,17 @@ impl FootMeasure<'_> {
         let (mut lengths, mut n_steps) = ([0.0; 2], 0);
         for stand in &measured {
             n_steps += stand.edited.len() - 1;
-            for (clip, (tracks, frames)) in self.both(stand.edited.clone()).into_iter().enumerate() {
-                let steps = Steps::new(tracks, frames);
+            let [(source, shown), (edited, frames)] = self.both(stand.edited.clone());
+            let whole = self.source_steps[stand.plant_idx];
+            let plant = &self.plants[stand.plant_idx];
+            let is_whole = plant.last + 1 - plant.first == shown.len();
+            let source = if is_whole { whole } else { PlantSteps::new(source, shown) };
+            for (clip, steps) in [source, PlantSteps::new(edited, frames)].into_iter().enumerate() {
                 lengths[clip] += steps.length;
                 slips[clip].push(steps.slip);
             }
             if self.is_joined {
-                *slips[0].last_mut().expect("pushed above") = Steps::new(&self.source, stand.plant.clone()).slip;
+                *slips[0].last_mut().expect("pushed above") = whole.slip;
             }
         }
         let secs = n_steps as f64 * self.frame_time_secs;
@@ -110,14 +116,12 @@ impl FootMeasure<'_> {
         for run in self.source_frames.chunk_by(|&a, &b| a + 1 == b) {
             let shown = run[0] as usize..run[0] as usize + run.len();
             let from = self.plants.partition_point(|plant| plant.last < shown.start);
-            for plant in self.plants[from..].iter().take_while(|plant| plant.first < shown.end) {
+            for (plant_idx, plant) in
+                (from..).zip(&self.plants[from..]).take_while(|(_, plant)| plant.first < shown.end)
+            {
                 let edited = |frame: usize| first + frame - shown.start;
                 let frames = plant.first.max(shown.start)..(plant.last + 1).min(shown.end);
-                stands.push(Stand {
-                    edited: edited(frames.start)..edited(frames.end),
-                    plant: plant.first..plant.last + 1,
-                    mode: plant.mode,
-                });
+                stands.push(Stand { edited: edited(frames.start)..edited(frames.end), plant_idx, mode: plant.mode });
             }
             first += run.len();
         }
@@ -163,35 +167,43 @@ impl FootMeasure<'_> {
 struct Stand {
     /// Edited frames, at least one.
     edited: Range<usize>,
-    /// Source frames of the whole plant.
-    plant: Range<usize>,
+    plant_idx: usize,
     mode: PlantMode,
 }
 
 /// The steps of one foot in one plant of one clip.
-struct Steps {
+#[derive(Clone, Copy, Debug)]
+pub struct PlantSteps {
     /// Sum of the contact point's horizontal steps, clip's unit.
     length: f64,
     /// Largest distance between places of one joint while it is the contact point, clip's unit.
     slip: f64,
 }
 
-impl Steps {
+impl PlantSteps {
+    /// Returns a foot's steps in each of its plants, as far as it has frames.
+    pub fn of(foot: &FootTracks, plants: &[Plant]) -> Vec<Self> {
+        let n_frames = foot.ankle.x.len();
+        plants.iter().map(|plant| Self::new(foot, plant.first.min(n_frames)..(plant.last + 1).min(n_frames))).collect()
+    }
+
     fn new(foot: &FootTracks, frames: Range<usize>) -> Self {
         let mut steps = Self { length: 0.0, slip: 0.0 };
         // Whether the toe is in contact, the first frame of that run, and the way gone in it.
         let mut run = (false, frames.start, 0.0);
         for frame in frames.start + 1..frames.end {
-            let (ankle, toe) = (foot.ankle.flat_distance(frame - 1, frame), foot.toe.flat_distance(frame - 1, frame));
-            let is_toe = toe < ankle;
+            let [ankle, toe] = [&foot.ankle, &foot.toe].map(|track| track.flat_distance_squared(frame - 1, frame));
+            let (is_toe, step) = (toe < ankle, ankle.min(toe).sqrt());
             if is_toe != run.0 {
                 steps.end_run(foot, run, frame - 1);
                 run = (is_toe, frame - 1, 0.0);
             }
-            run.2 += ankle.min(toe);
-            steps.length += ankle.min(toe);
+            run.2 += step;
+            steps.length += step;
         }
-        steps.end_run(foot, run, frames.end - 1);
+        if !frames.is_empty() {
+            steps.end_run(foot, run, frames.end - 1);
+        }
         steps
     }
 
@@ -238,6 +250,7 @@ mod tests {
             edited: foot(edited),
             source_frames: frames,
             plants,
+            source_steps: &PlantSteps::of(&foot(source), plants),
             is_joined: false,
             frame_time_secs: DT,
             height: HEIGHT,
@@ -321,6 +334,7 @@ mod tests {
             edited: foot(&moved),
             source_frames: &twice,
             plants: &PLANTS,
+            source_steps: &PlantSteps::of(&foot(&source), &PLANTS),
             is_joined: true,
             frame_time_secs: DT,
             height: HEIGHT,
