@@ -234,7 +234,11 @@ impl LegFrame {
     pub(super) fn limit_when(&self, free: f64) -> f64 {
         let near = (self.reach + LONGER * self.length).min(STRAIGHT * self.length);
         let planted = near.max(LIMIT * self.length).max(self.reach);
-        if free < 1.0 { (planted - free * self.swing_limit()) / (1.0 - free) } else { f64::INFINITY }
+        match free {
+            0.0 => planted,
+            1.0 => f64::INFINITY,
+            free => (planted - free * self.swing_limit()) / (1.0 - free),
+        }
     }
 
     /// Returns the distance from hip to ankle beyond which a free foot is drawn in.

@@ -3,8 +3,6 @@
 //! Each cost is a spring along one direction: its force is the slope of half the cost, and its stiffness along and
 //! across that direction is never negative, so that the sum of all springs has one least point.
 
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
-
 use glam::DVec3;
 
 /// Price of the offset itself.
@@ -114,45 +112,47 @@ impl Wish {
         self.limit * (1.0 - LIMIT_MARGIN)
     }
 
-    /// Adds the price of turning the knee.
+    /// Adds the price of turning the knee, `w (√2 l (b₀ − b))²`.
     #[inline]
     pub(super) fn add_knee(&self, offset: DVec3, share: f64, cost: &mut Cost) {
-        let (along, length) = self.stretched(offset);
+        let (along, length, inverse) = self.stretched(offset);
+        let is = bend(length, self.length);
         // Past straight the force stays as it is there; where it were not the slope of its cost, no step would be right and
         // the search stop.
-        let is = bend(length, self.length);
         let past = (length - straight(self.length)).max(0.0);
-        let turn = SQRT_2 * self.length * (self.bend - is);
-        let slope = FRAC_1_SQRT_2 / is;
+        let slope = 1.0 / is;
         let weight = share * self.weight;
-        let force = weight * slope * turn;
         // On the way to straight a knee turns ever faster. Where that doubles the spring's stiffness, the spring alone would
         // have every step come back farther than it went. Past straight it is as long as it takes to where it is at rest.
-        let faster = turn * slope / self.length;
+        let faster = self.bend * slope - 1.0;
+        let force = weight * self.length * faster;
         let stiffness = if past > 0.0 {
             force / (length - reach(self.bend, self.length))
         } else {
-            weight * slope * slope * if faster > 1.0 { 1.0 + faster } else { 1.0 }
+            0.5 * weight * slope * slope * if faster > 1.0 { 1.0 + faster } else { 1.0 }
         };
-        let across = self.moves.x * self.moves.x * force.max(0.0) / length;
+        let across = self.moves.x * self.moves.x * force.max(0.0) * inverse;
         cost.add(self.moves * along, stiffness, across, force);
-        cost.value += weight * turn * (turn + 2.0 * slope * past);
+        let turn = self.length * (self.bend - is);
+        cost.value += 2.0 * weight * turn * (turn + slope * past);
     }
 
     /// Adds the price of a leg that is too long.
     pub(super) fn add_limit(&self, offset: DVec3, price: f64, cost: &mut Cost) {
-        let (along, length) = self.stretched(offset);
+        let (along, length, inverse) = self.stretched(offset);
         let excess = length - self.bound();
-        let across = self.moves.x * self.moves.x * price * excess / length;
+        let across = self.moves.x * self.moves.x * price * excess * inverse;
         cost.add(self.moves * along, price, across, price * excess);
         cost.value += price * excess * excess;
     }
 
-    /// Returns the leg's direction and length; a length of 0 is made a small one.
-    fn stretched(&self, offset: DVec3) -> (DVec3, f64) {
+    /// Returns the leg's direction, its length and one over that; a length of 0 is made a small one.
+    #[inline]
+    fn stretched(&self, offset: DVec3) -> (DVec3, f64, f64) {
         let leg = self.leg + self.moves * offset;
         let length = leg.length().max(1e-9 * self.length);
-        (leg / length, length)
+        let inverse = 1.0 / length;
+        (inverse * leg, length, inverse)
     }
 }
 

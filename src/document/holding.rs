@@ -3,7 +3,7 @@
 //! Feet are held over whole cycles on a path carried on along its end, and only then is the result cut where the path
 //! ends: so a path's length does not move a foot (METHOD 6).
 
-use std::{ops::Range, sync::Arc};
+use std::{borrow::Cow, ops::Range, sync::Arc};
 
 use super::Posed;
 use crate::{
@@ -81,10 +81,12 @@ impl Carriage<'_> {
     }
 
     /// Returns the path frames of all the clip's frames in the cycle that is shown from `first` to `end`.
-    fn whole_cycle(&self, first: usize, end: usize) -> Vec<PathFrame> {
-        let mut path = self.timing.frames[first..end].to_vec();
+    fn whole_cycle(&self, first: usize, end: usize) -> Cow<'_, [PathFrame]> {
+        let mut path = Cow::Borrowed(&self.timing.frames[first..end]);
         let beyond = end - first..self.progress.len();
-        path.extend(frames_beyond(self.new_path, self.timing, self.progress, first, beyond));
+        if !beyond.is_empty() {
+            path.to_mut().extend(frames_beyond(self.new_path, self.timing, self.progress, first, beyond));
+        }
         path
     }
 }
