@@ -120,8 +120,8 @@ impl Bend<'_> {
             };
             let turns = pose.limbs.reach(target);
             let hip = pose.hip_parent.conjugate().times(turns.hip.times(pose.hip_rotation));
-            let knee = pose.knee_parent.conjugate().times(turns.knee.times(pose.knee_rotation));
-            let shin = turns.hip.times(turns.knee).times(pose.ankle_parent);
+            let knee = pose.knee.turned(turns.knee);
+            let shin = turns.hip.times(pose.ankle_parent.turned(turns.knee));
             let carrier = four(self.carrier, at);
             let turn = QuatLanes::gather(|lane| carrier[lane].rotation);
             let feet = four(self.feet, at);

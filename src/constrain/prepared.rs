@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use wide::f64x4;
 
 use super::{
@@ -13,7 +13,7 @@ use super::{
 use crate::{
     contact::{FootPlants, GroundSlope, Plant, PlantMode},
     math::{
-        Limbs, Rigid,
+        Hinged, Limbs, Rigid,
         lanes::{LANES, QuatLanes, RigidLanes, VecLanes, by_lane, four},
         straight_hinge,
     },
@@ -114,11 +114,28 @@ pub(super) struct LegPoses {
     pub(super) hip_parent: QuatLanes,
     /// Of the hip itself.
     pub(super) hip_rotation: QuatLanes,
-    pub(super) knee_parent: QuatLanes,
-    pub(super) knee_rotation: QuatLanes,
-    pub(super) ankle_parent: QuatLanes,
+    /// Local rotation of the knee.
+    pub(super) knee: Hinged,
+    /// Rotation of the joint above the ankle.
+    pub(super) ankle_parent: Hinged,
     /// From ankle to toe, in the ankle's own space.
     pub(super) toe: VecLanes,
+}
+
+/// The same with all rotations in the carrier's space, before it is known what the knee's hinge is.
+#[derive(Clone, Copy)]
+struct LegBones {
+    thigh: VecLanes,
+    shin: VecLanes,
+    /// What the bend shows of it, of the length of its sine.
+    hinge: VecLanes,
+    hip: VecLanes,
+    hip_parent: QuatLanes,
+    hip_rotation: QuatLanes,
+    knee_parent: QuatLanes,
+    knee_rotation: QuatLanes,
+    ankle_parent: QuatLanes,
+    toe: VecLanes,
 }
 
 impl Prepared {
@@ -255,9 +272,9 @@ impl LegShape {
             feet.extend(more_feet);
             poses.extend(more_poses);
         }
-        let mut shape = Self { frames: Arc::new(frames), feet, poses };
-        set_hinges(&mut shape, leg.side);
-        shape
+        let usual = usual_hinge(&poses, &feet, leg.side);
+        let poses = poses.iter().map(|bones: &LegBones| bones.hinged(usual)).collect();
+        Self { frames: Arc::new(frames), feet, poses }
     }
 }
 
@@ -300,8 +317,8 @@ fn toe_joint(skeleton: &Skeleton, leg: &Leg) -> JointId {
     }
 }
 
-/// Takes a leg out of four poses in the carrier's space; the hinge is what the bend shows, of the length of its sine.
-fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; LANES], [FootAt; LANES], LegPoses) {
+/// Takes a leg out of four poses in the carrier's space.
+fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; LANES], [FootAt; LANES], LegBones) {
     let rotation = |joint: usize| rigids[joint].rotation;
     let parent = |joint: usize| rotation(skeleton.joints()[joint].parent.expect("below the carrier").idx());
     let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle].map(|joint| rigids[joint.idx()].translation);
@@ -325,8 +342,10 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
         length: length[lane],
     });
     let feet = by_lane(|lane| FootAt { ankle: Rigid::new(ankle_rotations[lane], ankles[lane]), toe: toes[lane] });
-    let poses = LegPoses {
-        limbs: Limbs::new(thigh, shin, thigh.normalized().cross(shin.normalized())),
+    let bones = LegBones {
+        thigh,
+        shin,
+        hinge: thigh.normalized().cross(shin.normalized()),
         hip,
         hip_parent: parent(leg.hip.idx()),
         hip_rotation: rotation(leg.hip.idx()),
@@ -335,40 +354,30 @@ fn taken(skeleton: &Skeleton, leg: &Leg, rigids: &[RigidLanes]) -> ([LegFrame; L
         ankle_parent: parent(leg.ankle.idx()),
         toe: ankle_rotation.conjugate().rotate(toe.minus(ankle)),
     };
-    (frames, feet, poses)
+    (frames, feet, bones)
 }
 
-/// Makes the hinges of a clip's frames unit axes: what the bend shows where there is one, what is usual for the thigh
-/// where there is none.
-fn set_hinges(shape: &mut LegShape, side: Side) {
-    let n_frames = shape.frames.len();
-    let shown = shape.poses.iter().flat_map(|p| in_thigh(p, p.limbs.hinge)).take(n_frames);
+/// Returns the hinge, in the thigh's own space, that a clip's frames usually have: of a leg that shows none, by where its
+/// foot points in the mean.
+fn usual_hinge(poses: &[LegBones], feet: &[FootAt], side: Side) -> DVec3 {
+    let shown = poses.iter().flat_map(|bones| bones.in_thigh(bones.hinge)).take(feet.len());
     let (mut sum, mut most) = (DVec3::ZERO, 0.0f64);
     for hinge in shown {
         sum += hinge;
         most = most.max(hinge.length());
     }
     let is_shown = most > SHOWN_HINGE && sum.length() > SHOWN_HINGE;
-    let usual = if is_shown { sum.normalize() } else { hinge_of_straight(shape, side) };
-    let usual = VecLanes::splat(usual);
-    for pose in &mut shape.poses {
-        let usual = pose.hip_rotation.rotate(usual);
-        let Limbs { thigh, shin, hinge, .. } = pose.limbs;
-        let is_shown = hinge.dot(usual).simd_gt(f64x4::ZERO);
-        let shown = hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
-        let hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
-        pose.limbs = Limbs::new(thigh, shin, hinge);
-    }
+    if is_shown { sum.normalize() } else { hinge_of_straight(poses, feet, side) }
 }
 
 /// Returns the hinge, in the thigh's own space, of a leg that shows none: by where its foot points in the mean.
-fn hinge_of_straight(shape: &LegShape, side: Side) -> DVec3 {
+fn hinge_of_straight(poses: &[LegBones], feet: &[FootAt], side: Side) -> DVec3 {
     let (mut thigh, mut foot, mut outwards) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-    for (n, pose) in shape.poses.iter().enumerate() {
-        let feet = four(&shape.feet, n * LANES);
+    for (n, bones) in poses.iter().enumerate() {
+        let feet = four(feet, n * LANES);
         let feet = VecLanes::gather(|lane| feet[lane].toe - feet[lane].ankle.translation);
-        for (sum, way) in [(&mut thigh, pose.limbs.thigh), (&mut foot, feet), (&mut outwards, pose.hip)] {
-            *sum += in_thigh(pose, way).iter().sum::<DVec3>();
+        for (sum, way) in [(&mut thigh, bones.thigh), (&mut foot, feet), (&mut outwards, bones.hip)] {
+            *sum += bones.in_thigh(way).iter().sum::<DVec3>();
         }
     }
     // The hips lie on either side of the carrier.
@@ -376,9 +385,29 @@ fn hinge_of_straight(shape: &LegShape, side: Side) -> DVec3 {
     straight_hinge(thigh, foot, left)
 }
 
-/// Takes vectors from the carrier's space to the thigh's own.
-fn in_thigh(pose: &LegPoses, vectors: VecLanes) -> [DVec3; LANES] {
-    pose.hip_rotation.conjugate().rotate(vectors).lanes()
+impl LegBones {
+    /// Takes vectors from the carrier's space to the thigh's own.
+    fn in_thigh(&self, vectors: VecLanes) -> [DVec3; LANES] {
+        self.hip_rotation.conjugate().rotate(vectors).lanes()
+    }
+
+    /// Returns the poses with a unit axis for a hinge: what the bend shows where there is one, what is usual, in the
+    /// thigh's own space, where there is none.
+    fn hinged(&self, usual: DVec3) -> LegPoses {
+        let usual = self.hip_rotation.rotate(VecLanes::splat(usual));
+        let is_shown = self.hinge.dot(usual).simd_gt(f64x4::ZERO);
+        let shown = self.hinge.scaled(is_shown.bitselect(f64x4::ONE, f64x4::ZERO));
+        let hinge = shown.plus(usual.scaled(f64x4::splat(USUAL_HINGE))).normalized();
+        LegPoses {
+            limbs: Limbs::new(self.thigh, self.shin, hinge),
+            hip: self.hip,
+            hip_parent: self.hip_parent,
+            hip_rotation: self.hip_rotation,
+            knee: Hinged::new(self.knee_parent.conjugate(), hinge, self.knee_rotation),
+            ankle_parent: Hinged::new(QuatLanes::splat(DQuat::IDENTITY), hinge, self.ankle_parent),
+            toe: self.toe,
+        }
+    }
 }
 
 impl FootAt {
@@ -450,7 +479,8 @@ mod tests {
     /// Returns a leg's hinges in the thigh's own space, frame by frame.
     fn hinges(posed: &EditedClip, leg: &Leg) -> Vec<DVec3> {
         let shape = LegShape::of(posed, leg);
-        shape.poses.iter().flat_map(|pose| in_thigh(pose, pose.limbs.hinge)).collect()
+        let in_thigh = |pose: &LegPoses| pose.hip_rotation.conjugate().rotate(pose.ankle_parent.hinge()).lanes();
+        shape.poses.iter().flat_map(in_thigh).collect()
     }
 
     #[test]

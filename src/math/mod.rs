@@ -8,7 +8,7 @@ mod two_bone;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use two_bone::{Limbs, straight_hinge};
+pub(crate) use two_bone::{Hinged, Limbs, straight_hinge};
 pub use two_bone::{Turns, TwoBone, shortest_arc};
 
 /// A rotation followed by a translation.

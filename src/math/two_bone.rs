@@ -47,13 +47,12 @@ pub struct Turns {
 /// Four legs as they are bent, and what of the turns does not hang on where they should end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limbs {
-    pub(crate) thigh: VecLanes,
-    pub(crate) shin: VecLanes,
-    pub(crate) hinge: VecLanes,
+    thigh: VecLanes,
+    shin: VecLanes,
     /// `n × v`.
     across: VecLanes,
-    /// `v·n`.
-    along_shin: f64x4,
+    /// `(v·n) n`.
+    along: VecLanes,
     /// `(|u|² + |v|²) / 2 + A`.
     longest: f64x4,
     /// One over the radius of B and C; 0 where no bend changes the length.
@@ -65,9 +64,47 @@ pub(crate) struct Limbs {
 
 /// Four of [`Turns`].
 pub(crate) struct TurnLanes {
-    pub(crate) knee: QuatLanes,
+    pub(crate) knee: HalfTurns,
     pub(crate) hip: QuatLanes,
     pub(crate) reached: VecLanes,
+}
+
+/// Cosine and sine of half of each angle.
+#[derive(Clone, Copy)]
+pub(crate) struct HalfTurns {
+    cos: f64x4,
+    sin: f64x4,
+}
+
+/// Four rotations into which a turn about a hinge is put: its unit quaternion being `cos + sin n`, they are sums of two.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hinged {
+    still: QuatLanes,
+    turned: QuatLanes,
+}
+
+impl Hinged {
+    /// Takes `before · turn · after`.
+    pub(crate) fn new(before: QuatLanes, hinge: VecLanes, after: QuatLanes) -> Self {
+        let VecLanes { x, y, z } = hinge;
+        let half_turn = QuatLanes { x, y, z, w: f64x4::ZERO };
+        Self { still: before.times(after), turned: before.times(half_turn.times(after)) }
+    }
+
+    /// Returns the hinge, where nothing was to come before the turn.
+    #[cfg(test)]
+    pub(crate) fn hinge(&self) -> VecLanes {
+        let QuatLanes { x, y, z, .. } = self.turned.times(self.still.conjugate());
+        VecLanes { x, y, z }
+    }
+
+    /// Returns the rotations for these turns.
+    #[inline(always)]
+    pub(crate) fn turned(&self, by: HalfTurns) -> QuatLanes {
+        let (s, t) = (self.still, self.turned);
+        let sum = |still: f64x4, turned: f64x4| still * by.cos + turned * by.sin;
+        QuatLanes { x: sum(s.x, t.x), y: sum(s.y, t.y), z: sum(s.z, t.z), w: sum(s.w, t.w) }
+    }
 }
 
 impl TwoBone {
@@ -75,7 +112,9 @@ impl TwoBone {
     pub fn solve(&self) -> Turns {
         let [thigh, shin, hinge, target] = [self.thigh, self.shin, self.hinge, self.target].map(VecLanes::splat);
         let turns = Limbs::new(thigh, shin, hinge).reach(target);
-        Turns { knee: turns.knee.lanes()[0], hip: turns.hip.lanes()[0], reached: turns.reached.lanes()[0] }
+        let still = QuatLanes::splat(DQuat::IDENTITY);
+        let knee = Hinged::new(still, hinge, still).turned(turns.knee);
+        Turns { knee: knee.lanes()[0], hip: turns.hip.lanes()[0], reached: turns.reached.lanes()[0] }
     }
 }
 
@@ -83,19 +122,19 @@ impl Limbs {
     /// Takes legs as in [`TwoBone`].
     pub(crate) fn new(thigh: VecLanes, shin: VecLanes, hinge: VecLanes) -> Self {
         let across = hinge.cross(shin);
-        let along_shin = shin.dot(hinge);
-        let along = thigh.dot(hinge) * along_shin;
-        let (b, c) = (thigh.dot(shin) - along, thigh.dot(across));
+        let along = hinge.scaled(shin.dot(hinge));
+        let a = thigh.dot(along);
+        let (b, c) = (thigh.dot(shin) - a, thigh.dot(across));
         let radius = (b * b + c * c).sqrt();
         let inverse = radius.simd_gt(f64x4::ZERO).bitselect(f64x4::ONE / radius, f64x4::ZERO);
-        let longest = f64x4::splat(0.5) * (thigh.length_squared() + shin.length_squared()) + along;
-        Self { thigh, shin, hinge, across, along_shin, longest, inverse, cos_was: b * inverse, sin_was: -c * inverse }
+        let longest = f64x4::splat(0.5) * (thigh.length_squared() + shin.length_squared()) + a;
+        Self { thigh, shin, across, along, longest, inverse, cos_was: b * inverse, sin_was: -c * inverse }
     }
 
     /// Finds the turns that take the legs' ends to these places, seen from the hips.
     #[inline(always)]
     pub(crate) fn reach(&self, target: VecLanes) -> TurnLanes {
-        let Self { shin: v, hinge: n, cos_was, sin_was, .. } = *self;
+        let Self { cos_was, sin_was, .. } = *self;
         let (zero, one) = (f64x4::ZERO, f64x4::ONE);
         let bends = self.inverse.simd_gt(zero);
         let wanted = f64x4::splat(0.5) * target.length_squared() - self.longest;
@@ -103,12 +142,11 @@ impl Limbs {
         let sin = (one - cos * cos).sqrt();
         let cos_turn = bends.bitselect(cos * cos_was + sin * sin_was, one);
         let sin_turn = bends.bitselect(sin * cos_was - cos * sin_was, zero);
-        let knee = about(n, cos_turn, sin_turn);
-        let on_hinge = n.scaled(self.along_shin * (one - cos_turn));
-        let turned = v.scaled(cos_turn).plus(self.across.scaled(sin_turn)).plus(on_hinge);
+        let on_hinge = self.along.scaled(one - cos_turn);
+        let turned = self.shin.scaled(cos_turn).plus(self.across.scaled(sin_turn)).plus(on_hinge);
         let reached = self.thigh.plus(turned);
         let hip = shortest_arcs(reached, target);
-        TurnLanes { knee, hip, reached: hip.rotate(reached) }
+        TurnLanes { knee: half_turns(cos_turn, sin_turn), hip, reached: hip.rotate(reached) }
     }
 }
 
@@ -124,19 +162,19 @@ pub(crate) fn straight_hinge(thigh: DVec3, foot: DVec3, left: DVec3) -> DVec3 {
     known.map_or_else(|| along.try_normalize().unwrap_or(DVec3::Y).any_orthonormal_vector(), DVec3::normalize)
 }
 
-/// Returns the rotations about unit axes with these cosines and sines.
+/// Returns the halves of turns with these cosines and sines.
 #[inline(always)]
-fn about(axis: VecLanes, cos: f64x4, sin: f64x4) -> QuatLanes {
+fn half_turns(cos: f64x4, sin: f64x4) -> HalfTurns {
     // Half angles without trigonometry, each from the larger of the two expressions.
     let (zero, half) = (f64x4::ZERO, f64x4::splat(0.5));
     let larger = (half * (f64x4::ONE + cos.abs())).sqrt();
     let smaller = half * sin / larger;
     let is_far = cos.simd_lt(zero);
     let backwards = is_far & sin.simd_lt(zero);
-    let half_sin = is_far.bitselect(backwards.bitselect(-larger, larger), smaller);
-    let half_cos = is_far.bitselect(smaller.abs(), larger);
-    let VecLanes { x, y, z } = axis.scaled(half_sin);
-    QuatLanes { x, y, z, w: half_cos }
+    HalfTurns {
+        cos: is_far.bitselect(smaller.abs(), larger),
+        sin: is_far.bitselect(backwards.bitselect(-larger, larger), smaller),
+    }
 }
 
 /// Returns the least rotations that take directions to others; none for vectors without direction.
