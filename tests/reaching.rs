@@ -394,3 +394,87 @@ fn an_ankle_of_a_stretched_leg_goes_down_with_the_whole_chain() {
         assert!(off < 1e-4, "frame {frame}: {off} body heights off");
     }
 }
+
+/// The clip, its shape and the frame; the point; where it goes, body heights from where it was.
+type Walkers = (&'static str, Option<&'static str>, usize, &'static str, &'static [[f64; 3]]);
+
+/// A straight body was said to be out of reach, a search gave up on a chain that was still bent, or took steps too long
+/// for what holding does: the last targets were once 8e-4 to 6e-2 body heights off.
+#[test]
+fn bodies_and_feet_go_on_where_the_first_search_ends_short() {
+    let walkers: [Walkers; 4] = [
+        (
+            "cmu_08_01_brisk_walk",
+            Some("eight"),
+            203,
+            "Spine1",
+            &[[0.031636, -0.014074, 0.013974], [-0.007206, -0.005071, -0.011995], [0.007354, 0.042582, -0.007525]],
+        ),
+        (
+            "cmu_02_01_walk",
+            Some("eight"),
+            0,
+            "Spine1",
+            &[[0.029142, -0.019519, -0.03215], [-0.000114, 0.027172, 0.003616], [0.023603, 0.028193, 0.000088]],
+        ),
+        ("cmu_02_01_walk", Some("eight"), 147, "Head", &[[-0.01841, -0.01496, 0.0026], [-0.03268, 0.0314, -0.018]]),
+        ("", None, 15, "Chest", &[[0.008664, -0.007984, 0.004963], [0.008178, 0.00086, 0.027141]]),
+    ];
+    for (clip, shape, frame, point, ways) in walkers {
+        let mut document = if clip.is_empty() {
+            opened(&["timing.cycling=plain"], None)
+        } else {
+            let Some(file) = captured(clip) else { continue };
+            Document::new(open(Some(&file)).expect("a clip"))
+        };
+        set(&mut document, &[], shape);
+        let mut puppet = Puppet::of(document, frame, point);
+        for (n, &way) in ways.iter().enumerate() {
+            let to = puppet.ends()[1] + DVec3::from_array(way) * puppet.height();
+            puppet.reach(to);
+            let off = puppet.ends()[1].distance(to) / puppet.height();
+            println!("{clip}, {point}, target {n}: {off:e} body heights off");
+            assert!(off < 1e-4, "{clip}, {point}, target {n}: {off} body heights off");
+        }
+    }
+}
+
+/// A foot whose leg ended bent, 3e-2 body heights short, was held to be out of reach.
+#[test]
+fn a_captured_foot_far_away_is_searched_for_while_its_leg_is_bent() {
+    let Some(file) = captured("cmu_08_01_brisk_walk") else { return };
+    let mut document = Document::new(open(Some(&file)).expect("a clip"));
+    set(&mut document, &[], Some("eight"));
+    let mut foot = Puppet::of(document, 194, "RightFoot");
+    foot.chain.remove(0);
+    let ways = [
+        [0.013129, 0.018853, -0.022666],
+        [0.010709, -0.025398, -0.006351],
+        [0.01719, -0.005165, 0.032425],
+        [0.083626, 0.138023, 0.118137],
+    ];
+    for way in ways {
+        let to = foot.ends()[1] + DVec3::from_array(way) * foot.height();
+        foot.reach(to);
+        let off = foot.ends()[1].distance(to) / foot.height();
+        println!("{way:?}: {off:e} body heights off");
+        assert!(off < 1e-4, "{way:?}: {off} body heights off");
+    }
+}
+
+/// The pose was once made anew some other way, by up to 3e-4 body heights.
+#[test]
+fn a_target_that_is_reached_changes_nothing_when_asked_for_again() {
+    for (frame, point) in [(180, "LeftWrist"), (290, "LeftKnee"), (300, "RightAnkle"), (60, "Head")] {
+        let mut puppet = Puppet::new(frame, point);
+        for way in [[0.02, -0.03, 0.01], [-0.02, 0.01, -0.02], [0.0, -0.02, 0.02]] {
+            let to = puppet.ends()[1] + DVec3::from_array(way) * puppet.height();
+            puppet.reach(to);
+            let off = puppet.ends()[1].distance(to) / puppet.height();
+            assert!(off < 1e-4, "frame {frame}, {point}: {off} body heights off");
+            let layers = puppet.document.edits().layers.clone();
+            puppet.reach(to);
+            assert_eq!(layers, puppet.document.edits().layers, "frame {frame}, {point}");
+        }
+    }
+}

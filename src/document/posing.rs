@@ -83,6 +83,8 @@ pub(super) fn change(
                     let turns = wish.turns(&wish.chain, &pose(solved, frame_idx), *to);
                     key_turns(solved, edits, layer_idx, frame_idx, &turns)?;
                 }
+                // A target that was reached is not reached anew, some other way.
+                Holding::Beside | Holding::OfPoint if wish.is_there(*to) => {}
                 Holding::Beside => return wish.reach_beside(edits, *to).map(Some),
                 Holding::OfPoint => return wish.reach_held(edits, *to).map(Some),
             }

@@ -18,6 +18,8 @@ const LEAST_STEP: f64 = 1e-4;
 const CAREFUL_SHARE: f64 = 0.25;
 /// Damping λ², squared body heights: well below what a bent chain answers with.
 const DAMPING: f64 = 1e-7;
+/// The same of a careful search, whose steps rather follow what turns do most than what they hardly do.
+const CAREFUL_DAMPING: f64 = 1e-4;
 /// A step that leaves more than this share of what was missing was not foretold well.
 const FORETOLD: f64 = 0.5;
 /// So many steps in a row that come nearer by less than this share of what was missing are the last.
@@ -40,13 +42,15 @@ pub(super) struct Probe {
     height: f64,
     /// A step turns no joint farther than this, radians.
     largest_step: f64,
+    /// Damping λ², squared body heights.
+    damping: f64,
     /// The way of the point, per radian, three for each joint; empty where nothing is known yet.
     ways: Vec<DVec3>,
 }
 
 impl Probe {
     pub(super) fn new(n_joints: usize, height: f64) -> Self {
-        Self { n_joints, height, largest_step: LARGEST_STEP, ways: Vec::new() }
+        Self { n_joints, height, largest_step: LARGEST_STEP, damping: DAMPING, ways: Vec::new() }
     }
 
     /// Returns one that knows nothing.
@@ -56,7 +60,7 @@ impl Probe {
 
     /// Returns one that goes in shorter steps and knows nothing.
     pub(super) fn careful(&self) -> Self {
-        Self { largest_step: CAREFUL_SHARE * self.largest_step, ..self.anew() }
+        Self { largest_step: CAREFUL_SHARE * self.largest_step, damping: CAREFUL_DAMPING, ..self.anew() }
     }
 
     /// Tells whether anything was learned so far.
@@ -155,7 +159,7 @@ impl Probe {
     fn step(&self, way: DVec3, radius: f64) -> Vec<DVec3> {
         let columns = self.ways.iter().map(|&w| DMat3::from_cols(w * w.x, w * w.y, w * w.z));
         let square: DMat3 = columns.fold(DMat3::ZERO, |sum, square| sum + square);
-        let mut damping = DAMPING * self.height * self.height;
+        let mut damping = self.damping * self.height * self.height;
         loop {
             let pull = (square + DMat3::from_diagonal(DVec3::splat(damping))).inverse() * way;
             let step: Vec<DVec3> =

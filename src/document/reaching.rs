@@ -33,12 +33,15 @@ const TAKES_ON: f64 = 0.8;
 const MOST_AHEAD: f64 = 4.0;
 /// A foot that goes on by less than this share of where it is aimed says nothing of how to aim it.
 const LEAST_GOES_ON: f64 = 0.05;
-/// Tries of a search on a piece, at most.
+/// Tries of a search on a piece, at most; of a long chain more, for what its joints do takes more to find out.
 const SEARCH_TRIES: usize = 120;
+const TRIES_PER_JOINT: usize = 50;
 /// A search that ends nearer than this share of the body height may do better from elsewhere or in shorter steps.
 const NEARLY_THERE: f64 = 5e-3;
+/// Share of its length from which on a chain is as good as straight: what it does not reach then is seldom in reach.
+const STRETCHED: f64 = 0.99;
 /// Holding moves the carrier by so much at most, about, body heights; by that it may help a point to its target.
-const HOLDING_HELPS: f64 = 0.03;
+const HOLDING_HELPS: f64 = 0.06;
 /// A target farther than this from what a straight chain reaches, body heights, is taken to be just as far.
 const MOST_HELP: f64 = 0.06;
 /// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
@@ -213,12 +216,28 @@ impl Wish<'_> {
         Ok(made)
     }
 
-    /// Returns the place nearest to a target that the chain reaches, as far as holding may help it.
-    fn within_reach(&self, world: &[Rigid], target: DVec3) -> DVec3 {
+    /// Tells whether the point is where a target is already.
+    pub(super) fn is_there(&self, target: DVec3) -> bool {
+        self.at(&pose(self.solved, self.frame_idx)).distance(target) < THERE * self.height()
+    }
+
+    /// Returns where the chain begins and how long it is when it is straight.
+    fn top_and_length(&self, world: &[Rigid]) -> (DVec3, f64) {
         let joints = self.chain.iter().map(|joint| world[joint.idx()].translation);
         let places: Vec<DVec3> = joints.chain([self.at(world)]).collect();
-        let length: f64 = places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-        places[0] + (target - places[0]).clamp_length_max(length + MOST_HELP * self.height())
+        (places[0], places.windows(2).map(|pair| pair[0].distance(pair[1])).sum())
+    }
+
+    /// Tells whether the chain is as good as straight.
+    fn is_stretched(&self, world: &[Rigid]) -> bool {
+        let (top, length) = self.top_and_length(world);
+        top.distance(self.at(world)) > STRETCHED * length
+    }
+
+    /// Returns the place nearest to a target that the chain reaches, as far as holding may help it.
+    fn within_reach(&self, world: &[Rigid], target: DVec3) -> DVec3 {
+        let (top, length) = self.top_and_length(world);
+        top + (target - top).clamp_length_max(length + MOST_HELP * self.height())
     }
 
     /// Has the whole clip follow what was found on a piece; what it is off by more than the piece was is corrected.
@@ -295,17 +314,20 @@ impl Wish<'_> {
     /// Searches a piece for turns of the chain that bring the point to a target, or as near as can be.
     ///
     /// What holding does may bend sharply between one turn and the next, and keep the search on the wrong side: one that
-    /// ends just short is made again in shorter steps, and then from the pose that was seen, if it is another.
+    /// ends just short, or with a chain that is still bent, is made again in shorter steps, and then from the pose that
+    /// was seen, if it is another.
     fn searched(&self, piece: &Piece, [seen, begin]: [&OnPiece; 2], to: DVec3, probe: &mut Probe) -> OnPiece {
+        let most_tries = SEARCH_TRIES.max(TRIES_PER_JOINT * self.chain.len());
         let search = |probe: &mut Probe, begin: &OnPiece| {
-            probe.nearest(begin.clone(), to, THERE_ON_PIECE * self.height(), SEARCH_TRIES, |now, turns| {
+            probe.nearest(begin.clone(), to, THERE_ON_PIECE * self.height(), most_tries, |now, turns| {
                 self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok()
             })
         };
         let mut best = search(probe, begin);
         for (from, again) in [(begin, probe.careful()), (seen, probe.anew())] {
             let missing = best.at.distance(to);
-            if !(THERE_ON_PIECE..NEARLY_THERE).contains(&(missing / self.height())) {
+            let worth = if self.is_stretched(&best.pose.1.held) { NEARLY_THERE } else { HOLDING_HELPS };
+            if !(THERE_ON_PIECE..worth).contains(&(missing / self.height())) {
                 break;
             }
             let mut again = again;
