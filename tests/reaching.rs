@@ -228,6 +228,25 @@ fn an_ankle_goes_from_target_to_target_in_a_plant_and_in_swing() {
     }
 }
 
+/// A head that had to go back from where the body is nearly straight once ended three times as far from its target.
+#[test]
+fn a_head_goes_from_target_to_target_with_the_whole_chain_and_never_away() {
+    const FIRST: &[[f64; 3]] = &[[-0.009, 0.018, 0.033], [0.026, 0.009, -0.01], [-0.001, 0.011, 0.0]];
+    const SECOND: &[[f64; 3]] = &[[0.016, 0.027, 0.023], [-0.001, 0.011, 0.0]];
+    const THIRD: &[[f64; 3]] = &[[0.0, 0.01, 0.0]; 4];
+    for ways in [FIRST, SECOND, THIRD] {
+        let mut head = Puppet::new(180, "Head");
+        for &way in ways {
+            let was = head.ends()[1];
+            let to = was + DVec3::from_array(way) * head.height();
+            head.reach(to);
+            let [before, off] = [was, head.ends()[1]].map(|at| at.distance(to) / head.height());
+            println!("{way:?}: {off:e} body heights off, {before:e} before");
+            assert!(off <= before + 1e-9, "{way:?}: {off} body heights off, {before} before");
+        }
+    }
+}
+
 #[test]
 fn an_ankle_that_cannot_get_there_is_stretched_as_far_as_it_is_held_and_rests() {
     let plant = opened(&[], Some("circle")).solved().feet.plants[0].plants[3];

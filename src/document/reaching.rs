@@ -150,9 +150,18 @@ impl Wish<'_> {
                 break;
             }
         }
-        let made = made.expect("a draft is made at least once");
+        Ok(self.kept_if_nearer(edits, made.expect("a draft is made at least once"), to))
+    }
+
+    /// Takes over the edits of what was made, unless that has the point farther from its target than it was; returns what
+    /// follows.
+    fn kept_if_nearer(&self, edits: &mut Edits, made: Solved, target: DVec3) -> Solved {
+        let missing = |solved: &Solved| self.at(&pose(solved, self.frame_idx)).distance(target);
+        if missing(&made) > missing(self.solved) {
+            return draft(&Arc::new(edits.clone()), &made);
+        }
         edits.clone_from(&made.edits);
-        Ok(made)
+        made
     }
 
     /// Moves the point of a piece by all joints of the chain.
@@ -167,7 +176,7 @@ impl Wish<'_> {
         probe: &mut Probe,
     ) -> Result<OnPiece, LayerRefusal> {
         let near = THERE_ON_PIECE * self.height();
-        let mut now = begin;
+        let mut now = begin.clone();
         // Out of reach, a try may be further off than one before it.
         let mut best = None::<OnPiece>;
         for _ in 0..BODY_CORRECTIONS {
@@ -181,9 +190,10 @@ impl Wish<'_> {
             }
         }
         let best = best.filter(|best| best.at.distance(to) < now.at.distance(to)).unwrap_or(now);
-        let missing = best.at.distance(to) / self.height();
+        let from = if begin.at.distance(to) < best.at.distance(to) { &begin } else { &best };
+        let missing = from.at.distance(to) / self.height();
         if (THERE_ON_PIECE..HOLDING_HELPS).contains(&missing) {
-            return Ok(self.searched(piece, [&best, &best], to, probe));
+            return Ok(self.searched(piece, [&begin, from], to, probe));
         }
         Ok(best)
     }
@@ -207,13 +217,8 @@ impl Wish<'_> {
         let aim = to + (begin.at - self.at(&now));
         let found = self.foot_on_piece(&piece, begin, aim, &mut probe)?;
         let expected = found.at.distance(aim);
-        let mut made = self.followed(&piece, found, expected, to, probe);
-        let missing = |world: &[Rigid]| self.at(world).distance(target);
-        if missing(&pose(&made, self.frame_idx)) > missing(&now) {
-            made = draft(&Arc::new(edits.clone()), &made);
-        }
-        edits.clone_from(&made.edits);
-        Ok(made)
+        let made = self.followed(&piece, found, expected, to, probe);
+        Ok(self.kept_if_nearer(edits, made, target))
     }
 
     /// Tells whether the point is where a target is already.
