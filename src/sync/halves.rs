@@ -36,8 +36,14 @@ pub fn halves<T: Send>(n_frames: usize, overlap: usize, work: impl Fn(Range<usiz
     vec![first, second]
 }
 
-/// Makes a list by halves: `work` makes the values of some frames, one each.
+/// Makes a list by halves: `work` makes the values of some frames, one each, the same in whatever range they are. Where
+/// there is one core it is made at once, for the halves need not be joined.
 pub fn listed<T: Send, I: Iterator<Item = T>>(n_frames: usize, work: impl Fn(Range<usize>) -> I + Sync) -> Vec<T> {
+    if rayon::current_num_threads() == 1 {
+        let mut list = Vec::with_capacity(n_frames);
+        list.extend(work(0..n_frames));
+        return list;
+    }
     let parts = halves(n_frames, 0, |range| {
         // The first part takes the other up.
         let mut list = Vec::with_capacity(if range.start == 0 { n_frames } else { range.len() });
