@@ -1,4 +1,4 @@
-//! Symmetric positive definite band matrices: Cholesky without pivots, rows of a fixed width.
+//! Symmetric positive definite band matrices: Cholesky without pivots, columns of a fixed height.
 
 /// The lower band of a symmetric matrix: `columns[j][d]` is element (j + d, j) for `d` below `WIDTH`.
 pub(super) struct Banded<const WIDTH: usize> {

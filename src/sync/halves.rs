@@ -1,8 +1,8 @@
 //! Work on many frames, on two cores.
 //!
 //! Threads wait in a pool: to wake one costs a fraction of what starting it does, and where none is free the caller
-//! does all the work itself. What is split and where depends on the number of frames alone, so that results depend
-//! neither on the machine nor on how busy it is.
+//! does all the work itself. What is split and where depends on the number of frames alone, unless the values are the
+//! same however they are split, so that results depend neither on the machine nor on how busy it is.
 
 use std::ops::Range;
 
