@@ -10,7 +10,7 @@ use walkabout::{
     displace::{Interpolation, InterpolationKeys, Layer, Selection, joint_name},
     document::{self, Change, Document, KeyChange, LayerChange, Opened, PoseChange, Solved, open, parse_assignment},
 };
-use walking::{apart, apply, joint, opened, reach, set, turn, world};
+use walking::{apart, apply, carrier_moved, joint, opened, reach, set, turn, world};
 
 #[test]
 fn zero_displacement_changes_nothing_byte_for_byte() {
@@ -79,7 +79,8 @@ fn feet_stand_where_a_carrier_that_layers_move_takes_them() {
     for (frame, angle) in [(60, 0.25), (150, -0.2), (300, 0.3), (450, -0.25)] {
         apply(&mut document, turn(frame, hips, DVec3::new(0.0, 0.6, 0.8), angle));
         let by = solved.clip.facts.height.value * 0.04 * DVec3::new(angle.signum(), -0.5, 0.3);
-        apply(&mut document, Change::Pose { layer_idx: 0, frame_idx: frame, change: PoseChange::MoveCarrier { by } });
+        let moved = carrier_moved(document.solved(), frame, by);
+        apply(&mut document, moved);
     }
     let solved = document.solved();
     assert_eq!(solved.missed_plants().count(), 0);
@@ -131,10 +132,8 @@ fn merged_layers_come_back_from_the_file() {
     {
         apply(&mut document, turn(frame, joint(&solved, name), DVec3::new(0.0, 0.6, 0.8), angle));
     }
-    apply(
-        &mut document,
-        Change::Pose { layer_idx: 0, frame_idx: 90, change: PoseChange::MoveCarrier { by: DVec3::Y * 0.03 } },
-    );
+    let moved = carrier_moved(document.solved(), 90, DVec3::Y * 0.03);
+    apply(&mut document, moved);
     set(&mut document, &["path.nudge=0.2"], None);
     let unmerged = Arc::clone(document.solved());
     apply(&mut document, Change::Layer(LayerChange::Merge { layer_idx: 0 }));
@@ -251,7 +250,7 @@ fn the_result_does_not_depend_on_the_way() {
         turn(40, joint(&solved, "Chest"), DVec3::Y, 0.4),
         turn(80, joint(&solved, "LeftHip"), DVec3::X, 0.2),
         Change::Layer(LayerChange::Interpolate { layer_idx: 0, interpolation: Interpolation::EulerCubic }),
-        Change::Pose { layer_idx: 0, frame_idx: 70, change: PoseChange::MoveCarrier { by: DVec3::Y * -0.02 } },
+        carrier_moved(&solved, 70, DVec3::Y * -0.02),
         Change::Layer(LayerChange::Weigh { layer_idx: 0, weight: 0.7 }),
         Change::Layer(LayerChange::Add { name: "arms".to_owned() }),
         Change::Pose {

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use walkabout::{
     bvh::Bvh,
-    document::{Change, Document, PoseChange, open},
+    document::{Document, open},
     motion::{Clip, ClipOptions},
     skeleton::JointId,
 };
-use walking::{apply, captured, joint, joints, opened, place, reach, set, turn, world};
+use walking::{apply, captured, carrier_moved, joint, joints, opened, place, reach, set, turn, world};
 
 #[test]
 fn a_hand_goes_where_it_is_wanted_and_what_is_not_selected_stays() {
@@ -271,8 +271,7 @@ fn the_carrier_moves_in_the_world_and_with_its_path() {
         let mut document = opened(sets, shape);
         let before = Arc::clone(document.solved());
         let by = DVec3::new(0.1, -0.05, 0.2);
-        let move_by = |frame_idx| Change::Pose { layer_idx: 0, frame_idx, change: PoseChange::MoveCarrier { by } };
-        apply(&mut document, move_by(150));
+        apply(&mut document, carrier_moved(&before, 150, by));
         let after = document.solved();
         assert!((after.carrier(150).translation - before.carrier(150).translation).distance(by) < 1e-12);
         // One key holds everywhere, in the path's axes.
@@ -302,8 +301,7 @@ fn a_carrier_gets_where_it_is_wanted_while_its_feet_are_held() {
             let before = Arc::clone(document.solved());
             let height = before.clip.facts.height.value;
             let by = by * 0.02 * height;
-            let change = PoseChange::MoveCarrier { by };
-            apply(&mut document, Change::Pose { layer_idx: 0, frame_idx: frame, change });
+            apply(&mut document, carrier_moved(&before, frame, by));
             let moved = document.solved().carrier(frame).translation - before.carrier(frame).translation;
             let off = moved.distance(by) / height;
             println!("frame {frame}, {by}: {off:e} body heights off");

@@ -7,7 +7,7 @@ use super::{
 
 pub(super) fn run(clip: &Clip, output: &Output, interpolated: bool) -> Result<(), Failure> {
     super::check_free(&output.output, output.force)?;
-    let document = super::open_loudly(clip)?;
+    let mut document = super::open_loudly(clip)?;
     document.export(&output.output, interpolated)?;
     Ok(())
 }

@@ -13,6 +13,7 @@ use super::{
     Edits, KeyChange, LayerChange, LayerRefusal, PlantRefusal, PoseChange, Solved, Source, TimingEdits, ViewEdits,
     layers,
     parameter::{MAX_POINTS, SetError},
+    piece::Follows,
     plants, posing, solve,
     table::{check_carrier, parameter},
 };
@@ -112,7 +113,7 @@ impl fmt::Display for Change {
             Self::PlantsAsFound { foot, plant: None } => write!(f, "{} plants as found", foot.name()),
             Self::Layer(change) => write!(f, "layer {}", layer_word(change)),
             Self::Keys { change, .. } => write!(f, "keys {}", key_word(*change)),
-            Self::Pose { change: PoseChange::MoveCarrier { .. }, .. } => f.write_str("carrier moved"),
+            Self::Pose { change: PoseChange::PlaceCarrier { .. }, .. } => f.write_str("carrier moved"),
             Self::Pose { change: PoseChange::Reach { .. }, .. } => f.write_str("joint moved"),
             Self::Pose { change: PoseChange::Turn { .. }, .. } => f.write_str("joint turned"),
         }
@@ -189,12 +190,12 @@ pub(super) struct Next {
     pub(super) draft: Option<Solved>,
 }
 
-/// Returns what a change leads to.
+/// Returns what a change leads to; of a pose, as far as the clip is to follow it.
 ///
 /// # Errors
 ///
 /// When the change cannot be made; nothing is half done.
-pub(super) fn next(solved: &Solved, change: &Change) -> Result<Next, ChangeError> {
+pub(super) fn next(solved: &Solved, change: &Change, follows: Follows) -> Result<Next, ChangeError> {
     let mut edits = (*solved.edits).clone();
     let mut warnings = Vec::new();
     let mut draft = None;
@@ -238,7 +239,7 @@ pub(super) fn next(solved: &Solved, change: &Change) -> Result<Next, ChangeError
             layers::change_keys(solved, &mut edits, *layer_idx, selection, *change)?;
         }
         Change::Pose { layer_idx, frame_idx, change } => {
-            draft = posing::change(solved, &mut edits, *layer_idx, *frame_idx, change)?;
+            draft = posing::change(solved, &mut edits, *layer_idx, *frame_idx, change, follows)?;
         }
     }
     Ok(Next { edits, warnings, draft })

@@ -45,6 +45,7 @@ pub use history::History;
 pub use holding::Holding;
 pub use layers::{KeyChange, LayerChange, LayerRefusal};
 pub use parameter::{Kind, MAX_POINTS, NoJoint, Parameter, SetError, Step, parse_assignment, show_value};
+use piece::Follows;
 pub use plants::PlantRefusal;
 pub use posed::{Base, Cleared, Posed};
 pub use posing::PoseChange;
@@ -64,6 +65,8 @@ pub struct Document {
     solved: Arc<Solved>,
     /// Whether what changes is shown before all of it is measured.
     drafts: bool,
+    /// The change of a pose that feet follow near its frame alone so far.
+    unsettled: Option<Change>,
     /// The edits as last saved or opened.
     saved: Arc<Edits>,
     project: Option<PathBuf>,
@@ -75,7 +78,7 @@ impl Document {
         let history = History::new(opened.edits);
         let edits = Arc::clone(history.edits());
         let solved = Arc::new(solve(&opened.source, &edits, None));
-        Self { history, solved, drafts: false, saved: edits, project: opened.project }
+        Self { history, solved, drafts: false, unsettled: None, saved: edits, project: opened.project }
     }
 
     /// Returns the edits in use.
@@ -90,18 +93,38 @@ impl Document {
     }
 
     /// From now on a change is there to be shown before all of it is measured: layers alone before anything is, all else
-    /// before what the feet do not tell. [`Document::measure`] does the rest. For whoever shows documents to a person and has time between the keys; nobody else sees a number too old.
+    /// before what the feet do not tell. Of a pose whose feet are held even they follow only nearby, and a search for it
+    /// is cut short. [`Document::measure`] does the rest, and so does what needs it. For whoever shows documents to a
+    /// person and has time between the keys; nobody else sees a number too old.
     pub fn show_drafts(&mut self) {
         self.drafts = true;
     }
 
-    /// Measures what is solved for; false when it is measured already.
+    /// Has all of the clip follow the edits and measures it; false when that is done already.
     pub fn measure(&mut self) -> bool {
+        self.settle();
         let is_due = !self.solved.is_measured();
         if is_due {
             self.solved = Arc::new(solve(&self.solved.source, self.history.edits(), Some(&self.solved)));
         }
         is_due
+    }
+
+    /// Has all of the clip follow a change of a pose; what that puts elsewhere than it was wanted is put there, as part of
+    /// the same step.
+    fn settle(&mut self) {
+        if self.solved.is_whole() {
+            return;
+        }
+        let mut settled = draft(self.edits(), &self.solved);
+        if let Some(change) = self.unsettled.take()
+            && let Ok(change::Next { edits, draft: Some(draft), .. }) =
+                change::next(&settled, &change, Follows::Everywhere)
+        {
+            self.history.push(edits, true, change.to_string());
+            settled = draft;
+        }
+        self.take(Solved { edits: Arc::clone(self.edits()), ..settled });
     }
 
     /// Returns how many steps can be undone and redone.
@@ -137,6 +160,7 @@ impl Document {
     ///
     /// When the change cannot be made; then nothing has changed.
     pub fn apply(&mut self, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
+        self.settle_before(change, joins);
         let solved = Arc::clone(&self.solved);
         self.apply_to(&solved, change, joins)
     }
@@ -148,20 +172,34 @@ impl Document {
     ///
     /// When the change cannot be made; then nothing has changed.
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
-        let change::Next { edits, warnings, draft } = change::next(from, change)?;
+        self.settle_before(change, joins);
+        let follows = if self.drafts { Follows::Nearby } else { Follows::Everywhere };
+        let change::Next { edits, warnings, draft } = change::next(from, change, follows)?;
         match change {
             Change::ResetView => self.history.push_view(edits, change.to_string()),
             _ => self.history.push(edits, joins, change.to_string()),
         }
         match draft.filter(|draft| draft.edits == *self.edits()) {
-            Some(draft) => self.take(Solved { edits: Arc::clone(self.edits()), ..draft }),
+            Some(draft) => {
+                let is_place = matches!(change, Change::Pose { change, .. } if change.is_a_place());
+                self.unsettled = (is_place && !draft.is_whole()).then(|| change.clone());
+                self.take(Solved { edits: Arc::clone(self.edits()), ..draft });
+            }
             None => self.resolve(),
         }
         Ok(warnings)
     }
 
+    /// Settles what is not, unless a change goes on with it: every step that can be undone to is settled.
+    fn settle_before(&mut self, change: &Change, joins: bool) {
+        if !joins || !matches!(change, Change::Pose { .. }) {
+            self.settle();
+        }
+    }
+
     /// Goes back one step; false at the first.
     pub fn undo(&mut self) -> bool {
+        self.settle();
         let moved = self.history.undo();
         self.resolve();
         moved
@@ -180,6 +218,7 @@ impl Document {
     ///
     /// When the file cannot be written.
     pub fn save(&mut self, file: &Path) -> Result<(), OpenError> {
+        self.settle();
         files::save(&self.as_project(file), file)?;
         self.saved = Arc::clone(self.edits());
         self.project = Some(file.to_owned());
@@ -216,7 +255,8 @@ impl Document {
     /// # Errors
     ///
     /// When the file cannot be written.
-    pub fn export(&self, file: &Path, interpolated: bool) -> Result<(), OpenError> {
+    pub fn export(&mut self, file: &Path, interpolated: bool) -> Result<(), OpenError> {
+        self.settle();
         let solved = &self.solved;
         write_file(file, &if interpolated { solved.to_bvh_interpolated() } else { solved.to_bvh() })
     }
@@ -325,7 +365,7 @@ mod tests {
             pose(PoseChange::Turn { joint: joint("LeftHip"), axis: glam::DVec3::X, angle_rad: 0.4 }),
             pose(reach("LeftWrist", glam::DVec3::new(0.1, 0.05, 0.1))),
             pose(reach("RightAnkle", glam::DVec3::new(0.02, 0.05, 0.04))),
-            pose(PoseChange::MoveCarrier { by: glam::DVec3::Y * -0.3 * height }),
+            pose(PoseChange::PlaceCarrier { to: solved.carrier(90).translation - glam::DVec3::Y * 0.3 * height }),
             Change::Layer(LayerChange::Weigh { layer_idx: 0, weight: 0.5 }),
             Change::Layer(LayerChange::Switch { layer_idx: 0, on: false }),
         ]
@@ -442,7 +482,9 @@ mod tests {
         let [first, second] = [-0.1, -0.2].map(|y| Change::Pose {
             layer_idx: 0,
             frame_idx: 90,
-            change: PoseChange::MoveCarrier { by: glam::DVec3::Y * y * grabbed.clip.facts.height.value },
+            change: PoseChange::PlaceCarrier {
+                to: grabbed.carrier(90).translation + glam::DVec3::Y * y * grabbed.clip.facts.height.value,
+            },
         });
         document.apply_to(&grabbed, &first, false).expect("a step");
         assert!(document.measure());

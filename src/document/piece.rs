@@ -2,14 +2,18 @@
 //!
 //! Holding a foot turns a whole clip, but what it does at a frame is decided within a few steps of it. A piece is cut
 //! out of the stages of a solve, and layers, legs and holding are run on it alone. What comes of it is nearly what comes
-//! of the whole clip: near enough to find an edit by, and the whole clip then tells by how little it was off.
+//! of the whole clip: near enough to find an edit by, and the whole clip then tells by how little it was off. Until it does
+//! the clip can be shown with what the edit did to the piece.
 
 use std::{ops::Range, sync::Arc};
+
+use glam::DQuat;
 
 use super::{
     Edits, Solved, feet,
     holding::frames_beyond,
     posed::{carried_over, legs_posed, own_carrier},
+    solve::Extent,
 };
 use crate::{
     constrain::{Job, hold, knot_frames},
@@ -34,12 +38,25 @@ pub(super) const CORRECTIONS: usize = 12;
 const AROUND_SECS: f64 = 1.5;
 /// Feet that stand this near to the frame stand in the piece as long as in the clip, seconds.
 const NEAR_SECS: f64 = 0.5;
+/// Where a piece is shown within the clip, one goes over into the other in this time, seconds.
+const FADE_SECS: f64 = 0.5;
+
+/// How far the clip follows an edit of a pose before it is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Follows {
+    /// All of it, and what the piece was off by is corrected.
+    Everywhere,
+    /// As the piece does, see [`Piece::shown`], with what is soon found on it.
+    Nearby,
+}
 
 /// A piece of what walks. Its frames count from its first one.
 pub(super) struct Piece<'a> {
     solved: &'a Solved,
     /// The frame it is made for.
     frame: usize,
+    /// The edited frame that shows the first frame of what walks.
+    begin: usize,
     /// Its frames among those of what walks.
     of_walk: Range<usize>,
     /// The new path's frames, carried on where it ends before the piece.
@@ -51,13 +68,16 @@ pub(super) struct Piece<'a> {
     plants: Vec<FootPlants>,
 }
 
-/// World motions of all joints at the frame that a piece is made for.
+/// What is seen of a piece.
 #[derive(Clone)]
 pub(super) struct Seen {
-    /// On the original path, the feet not held: of the joints that legs hang on.
+    /// World motions, at the frame that the piece is made for, of the joints that legs hang on: on the original path, the
+    /// feet not held.
     pub(super) before_holding: Vec<Rigid>,
-    /// On the new path, the feet held.
+    /// The same of all joints, on the new path, the feet held.
     pub(super) held: Vec<Rigid>,
+    /// The piece on the new path, the feet held.
+    walk: Arc<EditedClip>,
 }
 
 impl<'a> Piece<'a> {
@@ -99,6 +119,7 @@ impl<'a> Piece<'a> {
         Self {
             solved,
             frame: frame - of_walk.start,
+            begin,
             clip: Arc::new(Clip::rearranged(&cut)),
             residuals: Residuals { frame: residuals.frame, motions: residuals.motions[of_walk.clone()].to_vec() },
             plants: walked.plants.iter().map(|foot| plants_in(foot, &of_walk)).collect(),
@@ -141,10 +162,59 @@ impl<'a> Piece<'a> {
             ..EditedClip::unedited(Arc::clone(&self.clip))
         };
 
-        let mut seen = Seen { before_holding: Vec::new(), held: Vec::new() };
+        let mut seen = Seen { before_holding: Vec::new(), held: Vec::new(), walk: Arc::new(edited) };
         legs.world_rigids(self.frame, &mut seen.before_holding);
-        edited.world_rigids(self.frame, &mut seen.held);
+        seen.walk.world_rigids(self.frame, &mut seen.held);
         seen
+    }
+
+    /// Returns the clip as edits have it that differ in their layers alone, with its feet where they were but for the
+    /// piece: there it differs by what the edits changed of what is seen of the piece.
+    pub(super) fn shown(&self, was: &Seen, is: &Seen, edits: &Arc<Edits>) -> Solved {
+        let solved = self.solved;
+        let posed = solved.posed.relaid(solved, edits);
+        let mut carried = (*solved.carried).clone();
+        for joint in posed.prepared.legs().flat_map(|leg| [leg.hip, leg.knee, leg.ankle]) {
+            if carried.turned(joint).is_none() {
+                let rotations = (0..carried.n_frames()).map(|frame| solved.walk.rotation(frame, joint)).collect();
+                carried.turned.push(TurnedJoint { joint, rotations });
+            }
+        }
+        let first = self.begin + self.of_walk.start;
+        for frame in 0..self.of_walk.len().min(carried.n_frames() - first) {
+            let share = self.share(frame);
+            let place = &mut carried.carrier_world[first + frame];
+            let [from, to] = [was, is].map(|seen| seen.walk.carrier(frame));
+            place.translation += share * (to.translation - from.translation);
+            place.rotation = part_of(to.rotation * from.rotation.conjugate(), share) * place.rotation;
+            for turned in &mut carried.turned {
+                let [from, to] = [was, is].map(|seen| seen.walk.rotation(frame, turned.joint));
+                let place = &mut turned.rotations[first + frame];
+                *place *= part_of(from.conjugate() * to, share);
+            }
+        }
+        let carried = Arc::new(carried);
+        let walk = posed.laid_on(&carried);
+        Solved {
+            edited: solved.walked.as_edit_of(&solved.clip, &walk),
+            edits: Arc::clone(edits),
+            posed,
+            carried,
+            walk,
+            extent: Extent::Poses,
+            whole: Some(solved.whole.clone().unwrap_or_else(|| Arc::new(solved.clone()))),
+            ..solved.clone()
+        }
+    }
+
+    /// Returns how far a frame is shown as the piece has it, 0 to 1.
+    fn share(&self, frame: usize) -> f64 {
+        let n_walk = self.solved.walked.clip.n_frames();
+        let fade = (FADE_SECS / self.clip.frame_time_secs).ceil();
+        let from_start = if self.of_walk.start == 0 { fade } else { frame as f64 };
+        let to_end = if self.of_walk.end == n_walk { fade } else { (self.of_walk.len() - 1 - frame) as f64 };
+        let t = (from_start.min(to_end) / fade).min(1.0);
+        t * t * (3.0 - 2.0 * t)
     }
 
     /// Lays the layers on the piece.
@@ -164,6 +234,11 @@ impl<'a> Piece<'a> {
             }
         }
     }
+}
+
+/// Returns a rotation by a share of what another rotates by, the short way.
+fn part_of(rotation: DQuat, share: f64) -> DQuat {
+    if share == 1.0 { rotation } else { DQuat::IDENTITY.slerp(rotation, share) }
 }
 
 /// Returns a foot's plants as a range of frames has them.

@@ -165,6 +165,19 @@ impl Posed {
         Self { base, of_clip, displaced, residuals, bears, legs, prepared, turning, warnings }
     }
 
+    /// Lays other layers on what walks. Its legs, and all that is prepared of them, stay as they were.
+    pub(super) fn relaid(&self, solved: &Solved, edits: &Edits) -> Self {
+        let (clip, base) = (&*solved.clip, &self.base.joints);
+        let stack = Stack { clip, base, layers: &edits.layers };
+        let earlier = Stack { clip, base, layers: &solved.edits.layers };
+        let of_clip = Arc::new(stack.displaced_again(&earlier, &self.of_clip, 0..clip.n_frames()));
+        let displaced = match &solved.walked.joined {
+            None => Arc::clone(&of_clip),
+            Some(joined) => Arc::new(carried_over(&of_clip, clip, 0, &solved.walked.clip, &joined.source_frames)),
+        };
+        Self { of_clip, displaced, ..self.clone() }
+    }
+
     /// Tells whether a joint bears no leg that can be held.
     pub(super) fn is_free(&self, joint: JointId) -> bool {
         let skeleton = &self.legs.clip.skeleton;

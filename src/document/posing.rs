@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use super::{
     Edits, LayerRefusal, Solved,
     layers::editable,
-    piece::{CORRECTIONS, DRAFTS, Piece, THERE, THERE_ON_PIECE},
+    piece::{CORRECTIONS, DRAFTS, Follows, Piece, THERE, THERE_ON_PIECE},
     pose_keys::{key_turns, move_carrier, pose},
     reaching::{Holding, Wish},
     solve::draft,
@@ -50,15 +50,22 @@ pub enum PoseChange {
         /// By this much.
         angle_rad: f64,
     },
-    /// The carrier moves.
-    MoveCarrier {
-        /// By this much, world.
-        by: DVec3,
+    /// The carrier goes somewhere.
+    PlaceCarrier {
+        /// Where it goes.
+        to: DVec3,
     },
 }
 
+impl PoseChange {
+    /// Tells whether the same wish once more is no other: it says where something is to be, not how to go on.
+    pub(super) fn is_a_place(&self) -> bool {
+        !matches!(self, Self::Turn { .. })
+    }
+}
+
 /// Makes a pose, at an edited frame, what is wanted; the keys go into a layer. Returns a draft of what follows from the
-/// edits where that had to be found out.
+/// edits where that had to be found out, as far as the clip is to follow.
 ///
 /// # Errors
 ///
@@ -69,6 +76,7 @@ pub(super) fn change(
     layer_idx: usize,
     frame_idx: usize,
     change: &PoseChange,
+    follows: Follows,
 ) -> Result<Option<Solved>, LayerRefusal> {
     editable(edits, layer_idx)?;
     match change {
@@ -77,7 +85,7 @@ pub(super) fn change(
             if chain.is_empty() {
                 return Err(LayerRefusal::NothingSelected);
             }
-            let wish = Wish { solved, layer_idx, frame_idx, point: *point, chain };
+            let wish = Wish { solved, layer_idx, frame_idx, point: *point, chain, follows };
             match wish.holding() {
                 Holding::None => {
                     let turns = wish.turns(&wish.chain, &pose(solved, frame_idx), *to);
@@ -97,12 +105,18 @@ pub(super) fn change(
             let world = pose(solved, frame_idx)[joint.idx()].rotation;
             let turn = ik::turn_about(world, *axis, *angle_rad);
             key_turns(solved, edits, layer_idx, frame_idx, &[JointTurn { joint: *joint, turn }])?;
+            if follows == Follows::Nearby && solved.holding.is_some() && !solved.posed.is_free(*joint) {
+                let piece = Piece::around(solved, frame_idx);
+                let made = Arc::new(edits.clone());
+                return Ok(Some(piece.shown(&piece.with(&solved.edits), &piece.with(&made), &made)));
+            }
         }
-        PoseChange::MoveCarrier { by } => {
-            let to = carrier_at(solved, &pose(solved, frame_idx)) + *by;
-            move_carrier(solved, edits, layer_idx, frame_idx, *by)?;
-            if solved.holding.is_some() {
-                return carry_on(solved, edits, layer_idx, frame_idx, to).map(Some);
+        PoseChange::PlaceCarrier { to } => {
+            let by = *to - carrier_at(solved, &pose(solved, frame_idx));
+            if solved.holding.is_none() {
+                move_carrier(solved, edits, layer_idx, frame_idx, by)?;
+            } else if by.length() > THERE * solved.clip.facts.height.value {
+                return carry_on(solved, edits, layer_idx, frame_idx, *to, follows).map(Some);
             }
         }
     }
@@ -114,9 +128,9 @@ fn carrier_at(solved: &Solved, world: &[Rigid]) -> DVec3 {
     world[solved.clip.facts.carrier.value.idx()].translation
 }
 
-/// Moves a carrier on that holding the feet keeps from where it is to go; returns what follows.
+/// Moves a carrier whose feet are held; returns what follows.
 ///
-/// Edits have it moved all the way; what holding takes off that is found on a piece and added. Over legs that are nearly
+/// It is moved all the way; what holding takes off that is found on a piece and added. Over legs that are nearly
 /// straight a carrier follows far less than it is moved: what moves do is learned from those before (C. Broyden, 1965).
 fn carry_on(
     solved: &Solved,
@@ -124,39 +138,47 @@ fn carry_on(
     layer_idx: usize,
     frame_idx: usize,
     to: DVec3,
+    follows: Follows,
 ) -> Result<Solved, LayerRefusal> {
     let height = solved.clip.facts.height.value;
     let piece = Piece::around(solved, frame_idx);
-    let was_on_piece = carrier_at(solved, &piece.with(&solved.edits).held);
-    let mut off = was_on_piece - carrier_at(solved, &pose(solved, frame_idx));
+    let begin = piece.with(&solved.edits);
+    let now = carrier_at(solved, &pose(solved, frame_idx));
+    let mut off = carrier_at(solved, &begin.held) - now;
+    move_carrier(solved, edits, layer_idx, frame_idx, to - now)?;
     let mut made = None::<Solved>;
-    let mut follows = DMat3::IDENTITY;
+    let mut answers = DMat3::IDENTITY;
     for _ in 0..DRAFTS {
-        let (mut least, mut best, mut on_piece) = (f64::INFINITY, edits.clone(), to + off);
+        let (mut least, mut best) = (f64::INFINITY, (edits.clone(), begin.clone()));
         let mut last = None::<(DVec3, DVec3)>;
         for _ in 0..CORRECTIONS {
-            let at = carrier_at(solved, &piece.with(edits).held);
+            let seen = piece.with(edits);
+            let at = carrier_at(solved, &seen.held);
             if let Some((was, by)) = last {
-                let wrong = (at - was - follows * by) / by.length_squared();
-                follows += DMat3::from_cols(wrong * by.x, wrong * by.y, wrong * by.z);
+                let wrong = (at - was - answers * by) / by.length_squared();
+                answers += DMat3::from_cols(wrong * by.x, wrong * by.y, wrong * by.z);
             }
             let missing = to + off - at;
             if missing.length() >= least {
                 break;
             }
-            (least, best, on_piece) = (missing.length(), edits.clone(), at);
+            (least, best) = (missing.length(), (edits.clone(), seen));
             if least < THERE_ON_PIECE * height {
                 break;
             }
-            let by = Some(follows.inverse() * missing).filter(|by| by.is_finite()).unwrap_or(missing);
+            let by = Some(answers.inverse() * missing).filter(|by| by.is_finite()).unwrap_or(missing);
             let by = by.clamp_length_max(FARTHEST * least);
             last = Some((at, by));
             move_carrier(solved, edits, layer_idx, frame_idx, by)?;
         }
-        *edits = best;
+        let (found, seen) = best;
+        *edits = found;
+        if follows == Follows::Nearby {
+            return Ok(piece.shown(&begin, &seen, &Arc::new(edits.clone())));
+        }
         let drafted = draft(&Arc::new(edits.clone()), made.as_ref().unwrap_or(solved));
         let at = carrier_at(solved, &pose(&drafted, frame_idx));
-        off = on_piece - at;
+        off = carrier_at(solved, &seen.held) - at;
         let is_there = at.distance(to) < THERE * height;
         made = Some(drafted);
         // What the piece cannot reach the whole clip cannot either.

@@ -7,7 +7,8 @@
 //! much as a turn took it on. Then what each turn does is found out one by one ([`Probe`]).
 //!
 //! All of it is tried on a [`Piece`] of the clip, and the whole clip follows it once. What the piece was off by is known
-//! from the pose that is seen already, so the whole clip seldom has to be asked again.
+//! from the pose that is seen already, so the whole clip seldom has to be asked again. Where the clip is to follow nearby
+//! alone it is not asked at all, and nothing is searched for long.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::{
     Edits, LayerRefusal, Solved,
-    piece::{CORRECTIONS, DRAFTS, Piece, Seen, THERE, THERE_ON_PIECE},
+    piece::{CORRECTIONS, DRAFTS, Follows, Piece, Seen, THERE, THERE_ON_PIECE},
     pose_keys::{key_turns, pose},
     probe::{Probe, Tried},
     solve::draft,
@@ -36,6 +37,8 @@ const LEAST_GOES_ON: f64 = 0.05;
 /// Tries of a search on a piece, at most; of a long chain more, for what its joints do takes more to find out.
 const SEARCH_TRIES: usize = 120;
 const TRIES_PER_JOINT: usize = 50;
+/// Steps of a search whose result is only to be seen for a moment, beside what it takes to find out what joints do.
+const FEW_STEPS: usize = 4;
 /// A search that ends nearer than this share of the body height may do better from elsewhere or in shorter steps.
 const NEARLY_THERE: f64 = 5e-3;
 /// Share of its length from which on a chain is as good as straight: what it does not reach then is seldom in reach.
@@ -55,6 +58,7 @@ pub(super) struct Wish<'a> {
     pub(super) point: usize,
     /// The joints that turn, top first.
     pub(super) chain: Vec<JointId>,
+    pub(super) follows: Follows,
 }
 
 /// What holding feet has to do with the joints that turn.
@@ -129,7 +133,11 @@ impl Wish<'_> {
         for _ in 0..DRAFTS {
             let now = made.as_ref().unwrap_or(self.solved);
             let off = on_piece.at - self.at(&pose(now, self.frame_idx));
-            on_piece = self.body_on_piece(&piece, on_piece, to + off, &mut probe)?;
+            let begin = on_piece;
+            on_piece = self.body_on_piece(&piece, begin.clone(), to + off, &mut probe)?;
+            if self.follows == Follows::Nearby {
+                return Ok(self.shown(&piece, edits, &begin, on_piece, to + off));
+            }
             if probe.knows() {
                 let expected = on_piece.at.distance(to + off);
                 made = Some(self.followed(&piece, on_piece, expected, to, probe));
@@ -151,6 +159,16 @@ impl Wish<'_> {
             }
         }
         Ok(self.kept_if_nearer(edits, made.expect("a draft is made at least once"), to))
+    }
+
+    /// Takes over edits found on a piece, unless they have the point farther from its target than it was there; returns
+    /// what is shown of them.
+    fn shown(&self, piece: &Piece, edits: &mut Edits, begin: &OnPiece, found: OnPiece, target: DVec3) -> Solved {
+        let is_nearer = found.at.distance(target) < begin.at.distance(target);
+        let best = if is_nearer { found } else { begin.clone() };
+        let ((made, is), (_, was)) = (best.pose, &begin.pose);
+        edits.clone_from(&made);
+        piece.shown(was, &is, &Arc::new(made))
     }
 
     /// Takes over the edits of what was made, unless that has the point farther from its target than it was; returns what
@@ -215,7 +233,10 @@ impl Wish<'_> {
         let mut probe = Probe::new(self.chain.len(), self.height());
         let begin = self.on_piece(&piece, edits.clone());
         let aim = to + (begin.at - self.at(&now));
-        let found = self.foot_on_piece(&piece, begin, aim, &mut probe)?;
+        let found = self.foot_on_piece(&piece, begin.clone(), aim, &mut probe)?;
+        if self.follows == Follows::Nearby {
+            return Ok(self.shown(&piece, edits, &begin, found, aim));
+        }
         let expected = found.at.distance(aim);
         let made = self.followed(&piece, found, expected, to, probe);
         Ok(self.kept_if_nearer(edits, made, target))
@@ -322,13 +343,19 @@ impl Wish<'_> {
     /// ends just short, or with a chain that is still bent, is made again in shorter steps, and then from the pose that
     /// was seen, if it is another.
     fn searched(&self, piece: &Piece, [seen, begin]: [&OnPiece; 2], to: DVec3, probe: &mut Probe) -> OnPiece {
-        let most_tries = SEARCH_TRIES.max(TRIES_PER_JOINT * self.chain.len());
+        let most_tries = match self.follows {
+            Follows::Everywhere => SEARCH_TRIES.max(TRIES_PER_JOINT * self.chain.len()),
+            Follows::Nearby => 3 * self.chain.len() + FEW_STEPS,
+        };
         let search = |probe: &mut Probe, begin: &OnPiece| {
             probe.nearest(begin.clone(), to, THERE_ON_PIECE * self.height(), most_tries, |now, turns| {
                 self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok()
             })
         };
         let mut best = search(probe, begin);
+        if self.follows == Follows::Nearby {
+            return best;
+        }
         for (from, again) in [(begin, probe.careful()), (seen, probe.anew())] {
             let missing = best.at.distance(to);
             let worth = if self.is_stretched(&best.pose.1.held) { NEARLY_THERE } else { HOLDING_HELPS };

@@ -75,6 +75,7 @@ pub(super) enum Extent {
 }
 
 fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solved>, wanted: Extent) -> Solved {
+    let previous = previous.map(Solved::whole);
     let before = previous.filter(|p| Arc::ptr_eq(&p.source, source) && p.edits.clip == edits.clip);
     let (clip, carrier_track, body) = match before {
         Some(p) => (Arc::clone(&p.clip), Arc::clone(&p.carrier_track), Arc::clone(&p.body)),
@@ -292,6 +293,7 @@ fn solve_stages(source: &Arc<Source>, edits: &Arc<Edits>, previous: Option<&Solv
         foot_numbers,
         warnings,
         extent,
+        whole: None,
     }
 }
 

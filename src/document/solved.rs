@@ -76,6 +76,9 @@ pub struct Solved {
     pub warnings: Vec<String>,
     /// How far this was solved: numbers beyond that are those of the solve before, and no later one takes them.
     pub(super) extent: Extent,
+    /// Where feet follow a pose near its frame alone, the last solve in which they followed everywhere: later ones take
+    /// nothing but from that one.
+    pub(super) whole: Option<Arc<Solved>>,
 }
 
 /// Where the edited clip shows a plant.
@@ -94,6 +97,17 @@ impl Solved {
     /// and [`super::solve_live`] have results of which they are not.
     pub fn is_measured(&self) -> bool {
         self.extent == Extent::All
+    }
+
+    /// Returns this solve, or the last one in which feet followed everywhere.
+    pub(super) fn whole(&self) -> &Self {
+        self.whole.as_deref().unwrap_or(self)
+    }
+
+    /// Tells whether the feet follow the edits everywhere, not only near a pose that was changed. Only a
+    /// [`super::Document`] that shows drafts has results in which they do not.
+    pub fn is_whole(&self) -> bool {
+        self.whole.is_none()
     }
 
     /// Tells whether `foot_numbers` are of these edits.

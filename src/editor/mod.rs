@@ -92,6 +92,8 @@ pub struct Editor {
     stills: picture::Stills,
     /// The point of the body that the pointer holds.
     grab: Option<pick::Grab>,
+    /// Where a point was wanted that has not been told short of it only because nobody knows yet.
+    wanted: Option<pose::Wanted>,
 }
 
 impl Editor {
@@ -108,6 +110,7 @@ impl Editor {
             made_step: false,
             stills: picture::Stills::default(),
             grab: None,
+            wanted: None,
         };
         editor.view.message = (!warnings.is_empty()).then(|| Message::warning(warnings.join("; ")));
         editor.follow_document();
@@ -177,11 +180,14 @@ impl Editor {
         self.document.show_drafts();
     }
 
-    /// Measures what is shown; false when it is measured already.
+    /// Has all of the clip follow what is shown and measures it; false when that is done already.
     pub fn measure(&mut self) -> bool {
         let was_due = self.document.measure();
         if was_due {
             self.follow_document();
+        }
+        if let Some(wanted) = self.wanted.take() {
+            pose::tell_short(self, wanted);
         }
         was_due
     }
@@ -189,6 +195,7 @@ impl Editor {
     /// Acts on a key.
     pub fn key(&mut self, key: Key) -> Effect {
         self.view.message = None;
+        self.wanted = None;
         // A key may change what is dragged or when; the pointer takes hold anew.
         self.grab = None;
         match self.prompt.take() {

@@ -115,18 +115,16 @@ impl Editor {
         joints::activate(self, handle);
         self.view.playing = false;
         self.view.jump(grab.frame_idx);
-        let change = pose::wanted(self, grab.point, grab.hold.at, target);
+        let change = pose::wanted(self, grab.point, target);
         let change = Change::Pose { layer_idx: self.view.layer_idx, frame_idx: grab.frame_idx, change };
         let is_made = self.change_from(&grab.from, &change, grab.made_step);
         grab.made_step |= is_made;
-        if is_made && self.view.message.is_none() {
-            let solved = self.document.solved();
-            let mut points = Vec::new();
-            solved.edited.world_points(grab.frame_idx, &mut points);
-            let name = joints::name(&solved.clip, handle);
-            let is_site = grab.point >= solved.clip.skeleton.n_joints();
-            let name = if is_site { format!("the end of {name}") } else { name };
-            pose::tell_short(self, &name, points[grab.point], target);
+        if is_made {
+            let clip = &self.document.solved().clip;
+            let name = joints::name(clip, handle);
+            let name = if grab.point < clip.skeleton.n_joints() { name } else { format!("the end of {name}") };
+            let (point, frame_idx) = (grab.point, grab.frame_idx);
+            pose::tell_short(self, pose::Wanted { name, point, frame_idx, to: target });
         }
     }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::{
-    Asking, Editor, Effect, Handle, Message, Prompt, TABS, camera,
+    Asking, Editor, Effect, Handle, Message, Prompt, Severity, TABS, camera,
     joints::{self, Tool},
     map_keys, prompt,
 };
@@ -128,30 +128,50 @@ fn move_to(editor: &mut Editor, command: &'static str, to: DVec3) {
     let handle = editor.view.joints.active;
     let frame_idx = editor.view.frame_idx;
     let point = joint_of(&solved, handle).idx();
-    let from = place(&solved, frame_idx, handle);
-    change(editor, command, wanted(editor, point, from, to));
+    change(editor, command, wanted(editor, point, to));
     let made = editor.document.solved();
     let is_moved = !Arc::ptr_eq(made, &solved);
-    if is_moved && editor.view.message.as_ref().is_none_or(|m| m.severity == super::Severity::Note) {
+    if is_moved {
         let name = joints::name(&made.clip, handle);
-        tell_short(editor, &name, place(editor.document.solved(), frame_idx, handle), to);
+        tell_short(editor, Wanted { name, point, frame_idx, to });
     }
 }
 
-/// Says by how much what is at `at` is short of where it was wanted, if it is.
-pub(super) fn tell_short(editor: &mut Editor, name: &str, at: DVec3, wanted: DVec3) {
-    let facts = &editor.document.solved().clip.facts;
-    let (off, unit) = (at.distance(wanted), facts.unit_word());
-    if off > REACHED * facts.height.value {
+/// Where a point was wanted.
+#[derive(Clone, Debug)]
+pub(super) struct Wanted {
+    /// What the point is called.
+    pub(super) name: String,
+    /// The point of the skeleton.
+    pub(super) point: usize,
+    pub(super) frame_idx: usize,
+    pub(super) to: DVec3,
+}
+
+/// Says by how much a point is short of where it was wanted, if it is, as soon as that is known and unless there is
+/// something to warn of.
+pub(super) fn tell_short(editor: &mut Editor, wanted: Wanted) {
+    let solved = editor.document.solved();
+    if !solved.is_whole() {
+        editor.wanted = Some(wanted);
+        return;
+    }
+    let Wanted { name, point, frame_idx, to } = wanted;
+    let mut points = Vec::new();
+    solved.edited.world_points(frame_idx, &mut points);
+    let facts = &solved.clip.facts;
+    let (off, unit) = (points[point].distance(to), facts.unit_word());
+    let may_tell = editor.view.message.as_ref().is_none_or(|message| message.severity == Severity::Note);
+    if may_tell && off > REACHED * facts.height.value {
         editor.say(Message::note(format!("{name} reaches no farther: {off:.2} {unit} short")));
     }
 }
 
-/// Returns the change that takes a point from one place in the world to another: of the carrier the carrier moves, of
-/// any other the selected joints above it turn.
-pub(super) fn wanted(editor: &Editor, point: usize, from: DVec3, to: DVec3) -> PoseChange {
+/// Returns the change that takes a point to a place in the world: of the carrier the carrier moves, of any other the
+/// selected joints above it turn.
+pub(super) fn wanted(editor: &Editor, point: usize, to: DVec3) -> PoseChange {
     if point == editor.document.solved().clip.facts.carrier.value.idx() {
-        PoseChange::MoveCarrier { by: to - from }
+        PoseChange::PlaceCarrier { to }
     } else {
         PoseChange::Reach { point, joints: editor.view.joints.ids().collect(), to }
     }
@@ -164,7 +184,7 @@ fn change(editor: &mut Editor, command: &'static str, change: PoseChange) {
     // What is moved or turned need not be selected, but it is what the user waits to hear of.
     let mut maps = editor.map_selection();
     match &change {
-        PoseChange::MoveCarrier { .. } => maps.position = true,
+        PoseChange::PlaceCarrier { .. } => maps.position = true,
         &PoseChange::Turn { joint, .. } => {
             maps.joints.insert(joint_name(&editor.document.solved().clip.skeleton, joint));
         }

@@ -112,8 +112,9 @@ fn main() {
     }
 }
 
-/// Prints how long it takes from a key that edits a pose to the scene that shows it, whose target is 16 ms, and until the
-/// edit is measured as well, as a script waits for it; the editor measures when nothing has been pressed for a moment.
+/// Prints how long it takes from a key that edits a pose to the scene that shows it, whose target is 16 ms: pressed now and
+/// then, and held down. Then how long the rest takes, all of the clip following and measured, which the editor does when
+/// nothing has been pressed for a moment; and how long both take together as a script waits for them.
 fn poses(start: &Solved, wanted: &str) {
     let arm = "gcgcgcgsgcgtgcgtgc";
     let body = "gcgcgcgsgcgcgcgr";
@@ -146,16 +147,30 @@ fn poses(start: &Solved, wanted: &str) {
         let mut key = ["x", "X"].into_iter().cycle();
         let mut scripted = editor.clone();
         editor.show_drafts();
+        let (mut shown, mut rest) = (Vec::new(), Vec::new());
+        for _ in 0..RUNS {
+            shown.push(once(|| {
+                editor.keys(key.next().expect("without end"));
+                std::hint::black_box(editor.scene());
+            }));
+            rest.push(once(|| {
+                editor.measure();
+                std::hint::black_box(editor.scene());
+            }));
+        }
+        print_row(name, &sorted(shown));
+        let mut held = ["x", "x", "x", "X", "X", "X"].into_iter().cycle();
         let times = timed(|| {
-            editor.keys(key.next().expect("without end"));
+            editor.keys(held.next().expect("without end"));
             std::hint::black_box(editor.scene());
         });
-        print_row(name, &times);
+        print_row("    held down", &times);
+        print_row("    the whole clip follows and is measured", &sorted(rest));
         let times = timed(|| {
             scripted.keys(key.next().expect("without end"));
             std::hint::black_box(scripted.scene());
         });
-        print_row("    the same, measured too", &times);
+        print_row("    as a script waits for it", &times);
     }
 }
 
@@ -185,13 +200,17 @@ fn report(name: &str, start: &Solved, edits: Edits) {
 }
 
 fn timed(mut work: impl FnMut()) -> Vec<f64> {
-    let mut times: Vec<f64> = (0..RUNS)
-        .map(|_| {
-            let begun = Instant::now();
-            work();
-            begun.elapsed().as_secs_f64() * 1e3
-        })
-        .collect();
+    sorted((0..RUNS).map(|_| once(&mut work)).collect())
+}
+
+/// Returns how long something takes, milliseconds.
+fn once(work: impl FnOnce()) -> f64 {
+    let begun = Instant::now();
+    work();
+    begun.elapsed().as_secs_f64() * 1e3
+}
+
+fn sorted(mut times: Vec<f64>) -> Vec<f64> {
     times.sort_by(f64::total_cmp);
     times
 }

@@ -50,6 +50,12 @@ pub(crate) fn reach(frame_idx: usize, point: JointId, joints: Vec<JointId>, to: 
     Change::Pose { layer_idx: 0, frame_idx, change: PoseChange::Reach { point: point.idx(), joints, to } }
 }
 
+/// The carrier goes on from where it is by some way, world.
+pub(crate) fn carrier_moved(solved: &Solved, frame_idx: usize, by: DVec3) -> Change {
+    let to = solved.carrier(frame_idx).translation + by;
+    Change::Pose { layer_idx: 0, frame_idx, change: PoseChange::PlaceCarrier { to } }
+}
+
 /// The largest distance between what two documents show, over all joints and every tenth frame.
 pub(crate) fn apart(a: &Solved, b: &Solved) -> f64 {
     assert_eq!(a.edited.n_frames(), b.edited.n_frames());
