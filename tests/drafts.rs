@@ -175,6 +175,33 @@ fn steps_of_a_held_key_add_up_and_end_where_they_are_wanted() {
 }
 
 #[test]
+fn undo_and_redo_go_to_and_fro_without_solving_anew() {
+    let mut document = drafting(&[], "circle");
+    let before = Arc::clone(document.solved());
+    let (_, change, _) = changes(&before, 200).swap_remove(0);
+    apply(&mut document, change);
+    document.measure();
+    let after = Arc::clone(document.solved());
+    for _ in 0..3 {
+        assert!(document.undo());
+        let now = document.solved();
+        assert!(now.is_measured() && Arc::ptr_eq(&now.carried, &before.carried) && now.to_bvh() == before.to_bvh());
+        assert!(Arc::ptr_eq(&now.measures, &before.measures) && !Arc::ptr_eq(&now.measures, &after.measures));
+        assert!(document.redo());
+        let now = document.solved();
+        assert!(now.is_measured() && Arc::ptr_eq(&now.carried, &after.carried) && now.to_bvh() == after.to_bvh());
+        assert!(Arc::ptr_eq(&now.measures, &after.measures));
+    }
+    // What was left longer ago is solved for.
+    assert!(document.undo() && document.undo());
+    let plain = opened(&[], None);
+    assert_eq!(document.edits(), plain.edits());
+    assert_eq!(document.solved().to_bvh(), plain.solved().to_bvh());
+    assert!(document.redo() && document.redo() && document.measure());
+    assert_eq!(document.solved().to_bvh(), after.to_bvh());
+}
+
+#[test]
 fn a_point_that_does_not_get_there_is_told_when_that_is_known() {
     let mut e = Editor::new(opened(&[], Some("circle")), Vec::new());
     // A foot, its whole chain, far below the ground.

@@ -30,7 +30,7 @@ mod table_pictures;
 mod value;
 mod walked;
 
-use std::{path::Path, path::PathBuf, sync::Arc};
+use std::{collections::VecDeque, path::Path, path::PathBuf, sync::Arc};
 
 pub use crate::path::Cycling;
 pub use change::{Change, ChangeError};
@@ -58,6 +58,9 @@ pub use strain::{Cause, Strain};
 pub use table::{PARAMETERS, parameter};
 pub use walked::{Loops, Repeat, Walked};
 
+/// So many solves are remembered of revisions that were left: enough to go to and fro.
+const REMEMBERED: usize = 2;
+
 /// A source being edited: its history and its newest result.
 #[derive(Clone, Debug)]
 pub struct Document {
@@ -67,6 +70,8 @@ pub struct Document {
     drafts: bool,
     /// The change of a pose that feet follow near its frame alone so far.
     unsettled: Option<Change>,
+    /// What was solved at the revisions left last, newest last: there undo and redo find it.
+    left: VecDeque<Arc<Solved>>,
     /// The edits as last saved or opened.
     saved: Arc<Edits>,
     project: Option<PathBuf>,
@@ -78,7 +83,15 @@ impl Document {
         let history = History::new(opened.edits);
         let edits = Arc::clone(history.edits());
         let solved = Arc::new(solve(&opened.source, &edits, None));
-        Self { history, solved, drafts: false, unsettled: None, saved: edits, project: opened.project }
+        Self {
+            history,
+            solved,
+            drafts: false,
+            unsettled: None,
+            left: VecDeque::new(),
+            saved: edits,
+            project: opened.project,
+        }
     }
 
     /// Returns the edits in use.
@@ -175,9 +188,13 @@ impl Document {
         self.settle_before(change, joins);
         let follows = if self.drafts { Follows::Nearby } else { Follows::Everywhere };
         let change::Next { edits, warnings, draft } = change::next(from, change, follows)?;
+        let depth = self.depth();
         match change {
             Change::ResetView => self.history.push_view(edits, change.to_string()),
             _ => self.history.push(edits, joins, change.to_string()),
+        }
+        if self.depth() != depth {
+            self.leave();
         }
         match draft.filter(|draft| draft.edits == *self.edits()) {
             Some(draft) => {
@@ -201,14 +218,15 @@ impl Document {
     pub fn undo(&mut self) -> bool {
         self.settle();
         let moved = self.history.undo();
-        self.resolve();
+        self.revisit();
         moved
     }
 
     /// Goes forward one step; false at the last.
     pub fn redo(&mut self) -> bool {
+        self.settle();
         let moved = self.history.redo();
-        self.resolve();
+        self.revisit();
         moved
     }
 
@@ -259,6 +277,28 @@ impl Document {
         self.settle();
         let solved = &self.solved;
         write_file(file, &if interpolated { solved.to_bvh_interpolated() } else { solved.to_bvh() })
+    }
+
+    /// Remembers what is solved when another revision is gone to.
+    fn leave(&mut self) {
+        if self.left.len() == REMEMBERED {
+            self.left.pop_front();
+        }
+        self.left.push_back(Arc::clone(&self.solved));
+    }
+
+    /// Solves for a revision that may have been left a moment ago.
+    fn revisit(&mut self) {
+        if Arc::ptr_eq(&self.solved.edits, self.history.edits()) {
+            return;
+        }
+        let work = self.edits().work();
+        let known = self.left.iter().rev().find(|left| left.is_measured() && left.edits.work() == work).map(Arc::clone);
+        self.leave();
+        match known {
+            Some(known) => self.solved = Arc::new(solve_live(self.edits(), &known)),
+            None => self.resolve(),
+        }
     }
 
     fn resolve(&mut self) {
