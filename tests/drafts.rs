@@ -217,6 +217,26 @@ fn a_point_that_does_not_get_there_is_told_when_that_is_known() {
 }
 
 #[test]
+fn keys_pressed_in_a_hurry_do_what_they_do_at_leisure() {
+    // A hand with its whole chain, and then at another frame, along another axis, of another joint, undone.
+    for more in ["<end>y", "<home>Z", "y", "gpx", "gtx", "uy", "<tab><tab><s-tab><s-tab>X"] {
+        let [hurried, leisurely] = [false, true].map(|rests| {
+            let mut e = Editor::new(opened(&[], Some("circle")), Vec::new());
+            e.keys("<tab><tab><tab><tab>gcgcgcgsgcgcgr............................................................");
+            e.show_drafts();
+            e.keys("xxxxx");
+            if rests {
+                e.measure();
+            }
+            e.keys(more);
+            e.measure();
+            e
+        });
+        assert_eq!(hurried.document().edits().layers, leisurely.document().edits().layers, "{more}");
+    }
+}
+
+#[test]
 fn a_turned_hip_turns_once() {
     let mut document = drafting(&[], "circle");
     let mut scripted = opened(&[], Some("circle"));

@@ -310,6 +310,49 @@ fn a_carrier_gets_where_it_is_wanted_while_its_feet_are_held() {
     }
 }
 
+#[test]
+fn a_carrier_that_its_legs_hold_back_is_moved_no_farther() {
+    let captured = captured("cmu_02_01_walk").map(|file| (Document::new(open(Some(&file)).expect("a clip")), 100));
+    for (mut document, frame) in [(opened(&[], Some("circle")), 140)].into_iter().chain(captured) {
+        let height = document.solved().clip.facts.height.value;
+        let step = 0.02 * height * DVec3::Y;
+        let begun = document.solved().carrier(frame).translation;
+        for n in 0..12 {
+            let press = carrier_moved(document.solved(), frame, step);
+            apply(&mut document, press);
+            let solved = document.solved();
+            let risen = (solved.carrier(frame).translation - begun).y / height;
+            let key = solved.edits.layers.first().and_then(|layer| layer.position.iter().next());
+            let keyed = key.map_or(0.0, |key| key.value.length() / height);
+            println!("{n}: risen {risen:.4}, keyed {keyed:.4}");
+            assert!(keyed < 0.3 && keyed < 10.0 * risen.max(0.01), "{keyed} for {risen}");
+        }
+        // And goes down again as it is wanted.
+        let was = document.solved().carrier(frame).translation;
+        let press = carrier_moved(document.solved(), frame, -step);
+        apply(&mut document, press);
+        let off = document.solved().carrier(frame).translation.distance(was - step) / height;
+        assert!(off < 1e-4, "{off}");
+    }
+}
+
+#[test]
+fn joints_that_are_where_the_point_is_do_not_turn() {
+    let Some(file) = captured("cmu_02_01_walk") else { return };
+    for shape in [None, Some("circle")] {
+        for point in ["LowerBack", "LHipJoint"] {
+            let mut document = Document::new(open(Some(&file)).expect("a clip"));
+            set(&mut document, &[], shape);
+            let before = Arc::clone(document.solved());
+            let to = place(&before, 100, point) - 0.02 * before.clip.facts.height.value * DVec3::Y;
+            let pull = reach(100, joint(&before, point), joints(&before, &["Hips"]), to);
+            let refused = document.apply(&pull, false).expect_err("it does not move").to_string();
+            assert_eq!(refused, format!("turning the selected joints does not move {point}: they are where it is"));
+            assert_eq!(document.edits(), &before.edits);
+        }
+    }
+}
+
 /// At a leg's full length holding moves the carrier, and the foot with it, back by what turns take it on: the third target
 /// was once 2e-2 body heights off.
 #[test]

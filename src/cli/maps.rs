@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{Failure, args::Clip};
 use crate::{
-    displace::{Layer, MapPoint, MapValue, PointValue, Selection, find_joint},
+    displace::{Layer, MapPoint, MapValue, PointValue, Selection, find_joint, joint_name},
     document::Document,
 };
 
@@ -19,7 +19,8 @@ pub(super) fn run(clip: &Clip, joints: &[String], position: bool, as_json: bool)
             || find_joint(skeleton, name).is_some()
     };
     if let Some(unknown) = joints.iter().find(|name| !named(name)) {
-        return Err(Failure::Usage(format!("there is no joint {unknown}; `walkabout info` lists what the file holds")));
+        let known: Vec<String> = skeleton.ids().map(|id| joint_name(skeleton, id)).collect();
+        return Err(Failure::Usage(format!("there is no joint {unknown} (the joints are {})", known.join(", "))));
     }
     let selected = |layer: &Layer| {
         let all = joints.is_empty() && !position;

@@ -143,6 +143,9 @@ pub enum LayerRefusal {
     /// A joint that no map can turn.
     #[error("{0} cannot be turned: it lacks rotation channels, or the carrier hangs below it")]
     Stiff(String),
+    /// All joints that may turn are where the joint is that is to move.
+    #[error("turning the selected joints does not move {0}: they are where it is")]
+    AtOnePlace(String),
     /// The carrier cannot be moved.
     #[error("the carrier cannot be moved: it lacks position channels")]
     CarrierStays,

@@ -124,8 +124,8 @@ impl Document {
     }
 
     /// Has all of the clip follow a change of a pose; what that puts elsewhere than it was wanted is put there, as part of
-    /// the same step.
-    fn settle(&mut self) {
+    /// the same step. For whoever is about to ask where something is, to go on from there with another change.
+    pub fn settle(&mut self) {
         if self.solved.is_whole() {
             return;
         }

@@ -310,7 +310,7 @@ impl Kind {
                 "a list of layers [{ name, on, weight, interpolation, merged, position, rotation }, …] or auto"
                     .to_owned()
             }
-            Self::Frames => "two frames [first, last], or []".to_owned(),
+            Self::Frames => "two frames [first, last], the first before the last, or []".to_owned(),
         }
     }
 }

@@ -13,6 +13,7 @@ use super::{
     layers::editable,
     piece::{CORRECTIONS, DRAFTS, Follows, Piece, THERE, THERE_ON_PIECE},
     pose_keys::{key_turns, move_carrier, pose},
+    probe::Tried,
     reaching::{Holding, Wish},
     solve::draft,
 };
@@ -28,6 +29,10 @@ use crate::{
 
 /// A carrier is moved no farther at once than so many times the way that it has to go.
 const FARTHEST: f64 = 4.0;
+/// One that follows a move by less than this share of it is held back by its legs.
+const LEAST_FOLLOWS: f64 = 0.1;
+/// And moved by this share of that as long as it is.
+const SHORTER: f64 = 0.4;
 
 /// What is wanted of a pose. World positions and axes are y-up, in the clip's unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +92,15 @@ pub(super) fn change(
             }
             let wish = Wish { solved, layer_idx, frame_idx, point: *point, chain, follows };
             match wish.holding() {
+                // What holding makes of their turns is no way to move it.
+                _ if wish.has_no_length() => {
+                    let skeleton = &solved.clip.skeleton;
+                    let joint = match point.checked_sub(skeleton.n_joints()) {
+                        None => JointId(*point as u32),
+                        Some(site) => skeleton.end_sites()[site],
+                    };
+                    return Err(LayerRefusal::AtOnePlace(joint_name(skeleton, joint)));
+                }
                 Holding::None => {
                     let turns = wish.turns(&wish.chain, &pose(solved, frame_idx), *to);
                     key_turns(solved, edits, layer_idx, frame_idx, &turns)?;
@@ -132,6 +146,7 @@ fn carrier_at(solved: &Solved, world: &[Rigid]) -> DVec3 {
 ///
 /// It is moved all the way; what holding takes off that is found on a piece and added. Over legs that are nearly
 /// straight a carrier follows far less than it is moved: what moves do is learned from those before (C. Broyden, 1965).
+/// One that hardly follows at all is as far as its legs let it go, and moved no farther.
 fn carry_on(
     solved: &Solved,
     edits: &mut Edits,
@@ -142,47 +157,63 @@ fn carry_on(
 ) -> Result<Solved, LayerRefusal> {
     let height = solved.clip.facts.height.value;
     let piece = Piece::around(solved, frame_idx);
-    let begin = piece.with(&solved.edits);
-    let now = carrier_at(solved, &pose(solved, frame_idx));
-    let mut off = carrier_at(solved, &begin.held) - now;
-    move_carrier(solved, edits, layer_idx, frame_idx, to - now)?;
-    let mut made = None::<Solved>;
+    let on_piece = |edits: Edits| {
+        let seen = piece.with(&edits);
+        Tried { at: carrier_at(solved, &seen.held), pose: (edits, seen) }
+    };
+    let moved = |edits: &Edits, by: DVec3| {
+        let mut edits = edits.clone();
+        move_carrier(solved, &mut edits, layer_idx, frame_idx, by)?;
+        Ok(on_piece(edits))
+    };
+    let begin = on_piece(edits.clone());
+    let mut now = begin.clone();
+    let mut off = now.at - carrier_at(solved, &pose(solved, frame_idx));
+    // Where it would be if no legs held it, and how far it was moved since.
+    let free = solved.posed.carrier(solved.walk.source_frame(frame_idx), &solved.timing.frames[frame_idx]).translation;
+    let mut moved_by = DVec3::ZERO;
     let mut answers = DMat3::IDENTITY;
+    let mut made = None::<Solved>;
     for _ in 0..DRAFTS {
-        let (mut least, mut best) = (f64::INFINITY, (edits.clone(), begin.clone()));
-        let mut last = None::<(DVec3, DVec3)>;
+        let aim = to + off;
+        let (mut longest, mut may_begin_anew) = (f64::INFINITY, true);
         for _ in 0..CORRECTIONS {
-            let seen = piece.with(edits);
-            let at = carrier_at(solved, &seen.held);
-            if let Some((was, by)) = last {
-                let wrong = (at - was - answers * by) / by.length_squared();
-                answers += DMat3::from_cols(wrong * by.x, wrong * by.y, wrong * by.z);
-            }
-            let missing = to + off - at;
-            if missing.length() >= least {
-                break;
-            }
-            (least, best) = (missing.length(), (edits.clone(), seen));
-            if least < THERE_ON_PIECE * height {
+            let missing = aim - now.at;
+            if missing.length() < THERE_ON_PIECE * height || longest < THERE * height {
                 break;
             }
             let by = Some(answers.inverse() * missing).filter(|by| by.is_finite()).unwrap_or(missing);
-            let by = by.clamp_length_max(FARTHEST * least);
-            last = Some((at, by));
-            move_carrier(solved, edits, layer_idx, frame_idx, by)?;
+            let by = by.clamp_length_max(longest.min(FARTHEST * missing.length()));
+            let next = moved(&now.pose.0, by)?;
+            let went = next.at - now.at;
+            let wrong = (went - answers * by) / by.length_squared();
+            answers += DMat3::from_cols(wrong * by.x, wrong * by.y, wrong * by.z);
+            let is_nearer = next.at.distance(aim) < missing.length();
+            if is_nearer && went.dot(by) > LEAST_FOLLOWS * by.length_squared() {
+                (now, moved_by) = (next, moved_by + by);
+                continue;
+            }
+            longest = SHORTER * by.length();
+            // Moved against its legs before, it may come back from there another way.
+            if std::mem::take(&mut may_begin_anew) {
+                let by = to - free - moved_by;
+                let next = moved(&now.pose.0, by)?;
+                if next.at.distance(aim) < missing.length() {
+                    (now, moved_by, answers, longest) = (next, to - free, DMat3::IDENTITY, f64::INFINITY);
+                }
+            }
         }
-        let (found, seen) = best;
-        *edits = found;
+        let (found, seen) = &now.pose;
+        edits.clone_from(found);
         if follows == Follows::Nearby {
-            return Ok(piece.shown(&begin, &seen, &Arc::new(edits.clone())));
+            return Ok(piece.shown(&begin.pose.1, seen, &Arc::new(edits.clone())));
         }
         let drafted = draft(&Arc::new(edits.clone()), made.as_ref().unwrap_or(solved));
-        let at = carrier_at(solved, &pose(&drafted, frame_idx));
-        off = carrier_at(solved, &seen.held) - at;
-        let is_there = at.distance(to) < THERE * height;
+        let in_clip = carrier_at(solved, &pose(&drafted, frame_idx));
+        off = now.at - in_clip;
         made = Some(drafted);
         // What the piece cannot reach the whole clip cannot either.
-        if is_there || least > THERE * height {
+        if in_clip.distance(to) < THERE * height || now.at.distance(aim) > THERE * height {
             break;
         }
     }

@@ -43,6 +43,8 @@ const FEW_STEPS: usize = 4;
 const NEARLY_THERE: f64 = 5e-3;
 /// Share of its length from which on a chain is as good as straight: what it does not reach then is seldom in reach.
 const STRETCHED: f64 = 0.99;
+/// A chain shorter than this share of the body height is none.
+const NO_LENGTH: f64 = 1e-9;
 /// Holding moves the carrier by so much at most, about, body heights; by that it may help a point to its target.
 const HOLDING_HELPS: f64 = 0.06;
 /// A target farther than this from what a straight chain reaches, body heights, is taken to be just as far.
@@ -245,6 +247,11 @@ impl Wish<'_> {
     /// Tells whether the point is where a target is already.
     pub(super) fn is_there(&self, target: DVec3) -> bool {
         self.at(&pose(self.solved, self.frame_idx)).distance(target) < THERE * self.height()
+    }
+
+    /// Tells whether all of the chain is where the point is.
+    pub(super) fn has_no_length(&self) -> bool {
+        self.top_and_length(&pose(self.solved, self.frame_idx)).1 < NO_LENGTH * self.height()
     }
 
     /// Returns where the chain begins and how long it is when it is straight.

@@ -236,12 +236,21 @@ impl Editor {
 
     /// Makes a change under the name of a command; steps of a held key are one step of undo.
     fn change(&mut self, command: &'static str, change: &Change) {
-        let held = self.last_step.is_some_and(|(name, at)| name == command && self.clock_secs - at < HELD_SECS);
+        let held = self.settle_unless_held(command);
         self.made_step = true;
         let solved = Arc::clone(self.document.solved());
         if self.change_from(&solved, change, held) {
             self.last_step = Some((command, self.clock_secs));
         }
+    }
+
+    /// Tells whether a command is a step of a held key; before any other all of the clip follows what was done.
+    fn settle_unless_held(&mut self, command: &'static str) -> bool {
+        let held = self.last_step.is_some_and(|(name, at)| name == command && self.clock_secs - at < HELD_SECS);
+        if !held {
+            self.document.settle();
+        }
+        held
     }
 
     /// Makes a change of an earlier state in place of what was done since; tells whether it could be made.

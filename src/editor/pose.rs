@@ -65,6 +65,8 @@ pub(super) fn step_in_words(editor: &Editor) -> String {
 ///
 /// `direction` is a unit vector along an axis in use.
 pub(super) fn step(editor: &mut Editor, command: &'static str, direction: DVec3) -> Effect {
+    // What it goes on from is where things are.
+    editor.settle_unless_held(command);
     let pose = editor.document.edits().pose;
     let along = axes(editor) * direction;
     match editor.view.joints.tool {
@@ -80,6 +82,8 @@ pub(super) fn step(editor: &mut Editor, command: &'static str, direction: DVec3)
 
 /// Asks where the active joint goes, or by which angles it turns.
 pub(super) fn ask(editor: &mut Editor) -> Effect {
+    editor.document.settle();
+    editor.follow_document();
     let solved = editor.document.solved();
     let name = joints::name(&solved.clip, editor.view.joints.active);
     editor.prompt = Some(match editor.view.joints.tool {
@@ -124,17 +128,12 @@ fn turn(editor: &mut Editor, command: &'static str, axis: DVec3, angle_rad: f64)
 
 /// Moves the active joint to a place in the world, and says so when it does not get there.
 fn move_to(editor: &mut Editor, command: &'static str, to: DVec3) {
-    let solved = Arc::clone(editor.document.solved());
     let handle = editor.view.joints.active;
     let frame_idx = editor.view.frame_idx;
-    let point = joint_of(&solved, handle).idx();
+    let clip = Arc::clone(&editor.document.solved().clip);
+    let point = joint_of(editor.document.solved(), handle).idx();
     change(editor, command, wanted(editor, point, to));
-    let made = editor.document.solved();
-    let is_moved = !Arc::ptr_eq(made, &solved);
-    if is_moved {
-        let name = joints::name(&made.clip, handle);
-        tell_short(editor, Wanted { name, point, frame_idx, to });
-    }
+    tell_short(editor, Wanted { name: joints::name(&clip, handle), point, frame_idx, to });
 }
 
 /// Where a point was wanted.

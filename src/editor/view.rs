@@ -166,11 +166,8 @@ impl ViewState {
             return Pace::Own;
         }
         let between = document.edits().interpolation_keys.map(|keys| keys.frames(&document.solved().clip));
-        match between {
-            // From the first key's own frame on.
-            Some(frames) if frames.start > 0 => Pace::SlowBetween(frames.start - 1..frames.end),
-            _ => Pace::EveryFrame,
-        }
+        // From the first key's own frame on.
+        Pace::EveryFrame(between.map_or(0..0, |frames| frames.start.saturating_sub(1)..frames.end))
     }
 
     /// Shows another frame and stays there.

@@ -11,6 +11,9 @@ use super::{
     text,
 };
 
+/// Values that differ by no more than this share of the largest are one.
+const FLAT: f64 = 1e-9;
+
 /// One value for each frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<'a> {
@@ -141,11 +144,13 @@ impl<'a> Labels<'a> {
     fn new(series: &Series<'a>, playhead: usize) -> Self {
         let finite = || series.values.iter().copied().filter(|v| v.is_finite());
         let (min, max) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        // What is constant but for rounding is.
+        let is_flat = max - min <= FLAT * max.abs().max(min.abs());
         let write = |v: f64| {
             if v.is_finite() { text::number(v, (max - min).max(max.abs() * 1e-3) / 100.0) } else { "–".to_owned() }
         };
         // A constant series runs through the middle; the room around it only has to be positive.
-        let room = if max > min { 0.0 } else { 1.0_f64.max(max.abs()) };
+        let room = if is_flat { 1.0_f64.max(max.abs()) } else { 0.0 };
         let range = if min <= max { (min - room, max + room) } else { (-1.0, 1.0) };
         let now = series.values.get(playhead).map_or_else(|| "–".to_owned(), |&v| write(v));
         Self { name: series.name, min: write(min), now, max: write(max), range }
@@ -215,6 +220,16 @@ mod tests {
         values[5_000] = 1.0;
         let points = points(&values, 60);
         assert_eq!(points.iter().filter(|(_, v)| *v == 1.0).count(), 1);
+    }
+
+    #[test]
+    fn what_is_constant_but_for_rounding_is_a_straight_line() {
+        let noisy: Vec<f64> = (0..200).map(|i| -4.98027 - f64::from(i % 3) * 1e-13).collect();
+        let drawn = |values: &[f64]| {
+            let series = [Series { name: "x", values }];
+            screen(40, 7, |area, buf| (&chart(&series, 50)).render(area, buf))
+        };
+        assert_eq!(drawn(&noisy), drawn(&[-4.98027; 200]));
     }
 
     #[test]
