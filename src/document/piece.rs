@@ -32,7 +32,7 @@ pub(super) const CORRECTIONS: usize = 12;
 
 /// Time on either side of the frame, seconds: by then the carrier's offset has forgotten all but a few thousandths.
 const AROUND_SECS: f64 = 1.5;
-/// Feet that stand this near to the frame stand in the piece as long as in the clip, seconds.
+/// Feet that stand this near to the frame, or next before or after, stand in the piece as long as in the clip, seconds.
 const NEAR_SECS: f64 = 0.5;
 
 /// A piece of what walks. Its frames count from its first one.
@@ -75,9 +75,16 @@ impl<'a> Piece<'a> {
         let n_frames = walked.clip.n_frames();
         let n_around = |secs: f64| (secs / walked.clip.frame_time_secs).ceil() as usize;
         let around = |secs: f64| frame.saturating_sub(n_around(secs))..(frame + n_around(secs) + 1).min(n_frames);
-        let (near, mut of_walk) = (around(NEAR_SECS), around(AROUND_SECS));
-        for plant in walked.plants.iter().flat_map(|foot| &foot.plants) {
-            if plant.first < near.end && near.start <= plant.last {
+        let (near, around) = (around(NEAR_SECS), around(AROUND_SECS));
+        // A foot in swing comes from the plant before and goes to the one after.
+        let moves_foot = |foot: &FootPlants| {
+            let begin = foot.plants.partition_point(|plant| plant.last < near.start).saturating_sub(1);
+            let end = foot.plants.partition_point(|plant| plant.first < near.end) + 1;
+            begin..end.min(foot.plants.len())
+        };
+        let mut of_walk = around.clone();
+        for plant in walked.plants.iter().flat_map(|foot| &foot.plants[moves_foot(foot)]) {
+            if plant.first < around.end && around.start <= plant.last {
                 of_walk = of_walk.start.min(plant.first)..of_walk.end.max(plant.last + 1).min(n_frames);
             }
         }

@@ -14,17 +14,13 @@ const LITTLE: f64 = 0.01;
 /// A step turns no joint farther than this, radians; one shorter than the other is none.
 const LARGEST_STEP: f64 = 0.2;
 const LEAST_STEP: f64 = 1e-4;
-/// Share of that which a careful search goes by.
-const CAREFUL_SHARE: f64 = 0.25;
 /// Damping λ², squared body heights: well below what a bent chain answers with.
 const DAMPING: f64 = 1e-7;
-/// The same of a careful search, whose steps rather follow what turns do most than what they hardly do.
-const CAREFUL_DAMPING: f64 = 1e-4;
 /// A step that leaves more than this share of what was missing was not foretold well.
 const FORETOLD: f64 = 0.5;
 /// So many steps in a row that come nearer by less than this share of what was missing are the last.
 const POOR_STEPS: usize = 3;
-const LEAST_GAIN: f64 = 0.05;
+const LEAST_GAIN: f64 = 0.01;
 
 /// A pose that was tried.
 #[derive(Clone)]
@@ -40,27 +36,20 @@ pub(super) struct Probe {
     n_joints: usize,
     /// Body height.
     height: f64,
-    /// A step turns no joint farther than this, radians.
-    largest_step: f64,
-    /// Damping λ², squared body heights.
-    damping: f64,
+    /// How many turns it tried.
+    n_tried: usize,
     /// The way of the point, per radian, three for each joint; empty where nothing is known yet.
     ways: Vec<DVec3>,
 }
 
 impl Probe {
     pub(super) fn new(n_joints: usize, height: f64) -> Self {
-        Self { n_joints, height, largest_step: LARGEST_STEP, damping: DAMPING, ways: Vec::new() }
+        Self { n_joints, height, n_tried: 0, ways: Vec::new() }
     }
 
-    /// Returns one that knows nothing.
-    pub(super) fn anew(&self) -> Self {
-        Self { ways: Vec::new(), ..*self }
-    }
-
-    /// Returns one that goes in shorter steps and knows nothing.
-    pub(super) fn careful(&self) -> Self {
-        Self { largest_step: CAREFUL_SHARE * self.largest_step, damping: CAREFUL_DAMPING, ..self.anew() }
+    /// Returns how many turns it tried.
+    pub(super) fn n_tried(&self) -> usize {
+        self.n_tried
     }
 
     /// Tells whether anything was learned so far.
@@ -81,7 +70,7 @@ impl Probe {
         turned: impl Fn(&T, &[DQuat]) -> Option<Tried<T>> + Sync,
     ) -> Tried<T> {
         let mut best = from;
-        let mut radius = self.largest_step;
+        let mut radius = LARGEST_STEP;
         let mut is_fresh = false;
         let mut n_poor = 0;
         let mut n_left = most_tries;
@@ -99,6 +88,7 @@ impl Probe {
             let missing = best.at.distance(target);
             let step = self.step(target - best.at, radius);
             let tried = turned(&best.pose, &rotations(&step));
+            self.n_tried += 1;
             if let Some(tried) = &tried {
                 self.learn(&step, tried.at - best.at);
             }
@@ -109,7 +99,7 @@ impl Probe {
                 if n_poor == POOR_STEPS {
                     break;
                 }
-                radius = (2.0 * longest(&step)).clamp(radius, self.largest_step);
+                radius = (2.0 * longest(&step)).clamp(radius, LARGEST_STEP);
             } else if is_fresh || !can_learn_all {
                 radius = 0.25 * longest(&step);
                 if radius > LITTLE || !can_learn_all {
@@ -140,6 +130,7 @@ impl Probe {
             Some((turned(&from.pose, &turns)?.at - from.at) / little)
         };
         let ways = side_by_side(&joint_axes, way);
+        self.n_tried += joint_axes.len();
         self.ways = ways.into_iter().collect::<Option<_>>().unwrap_or_default();
         self.knows()
     }
@@ -159,7 +150,7 @@ impl Probe {
     fn step(&self, way: DVec3, radius: f64) -> Vec<DVec3> {
         let columns = self.ways.iter().map(|&w| DMat3::from_cols(w * w.x, w * w.y, w * w.z));
         let square: DMat3 = columns.fold(DMat3::ZERO, |sum, square| sum + square);
-        let mut damping = self.damping * self.height * self.height;
+        let mut damping = DAMPING * self.height * self.height;
         loop {
             let pull = (square + DMat3::from_diagonal(DVec3::splat(damping))).inverse() * way;
             let step: Vec<DVec3> =

@@ -25,6 +25,7 @@ use crate::{
     math::Rigid,
     motion::Leg,
     skeleton::JointId,
+    sync::side_by_side,
 };
 
 /// A correction that leaves more than this share of what was missing does not take the point on.
@@ -33,17 +34,23 @@ const TAKES_ON: f64 = 0.8;
 const MOST_AHEAD: f64 = 4.0;
 /// A foot that goes on by less than this share of where it is aimed says nothing of how to aim it.
 const LEAST_GOES_ON: f64 = 0.05;
-/// Tries of a search on a piece, at most; of a long chain more, for what its joints do takes more to find out.
-const SEARCH_TRIES: usize = 120;
-const TRIES_PER_JOINT: usize = 50;
-/// A search that ends nearer than this share of the body height may do better from elsewhere or in shorter steps.
-const NEARLY_THERE: f64 = 5e-3;
-/// Share of its length from which on a chain is as good as straight: what it does not reach then is seldom in reach.
-const STRETCHED: f64 = 0.99;
-/// Holding moves the carrier by so much at most, about, body heights; by that it may help a point to its target.
-const HOLDING_HELPS: f64 = 0.06;
+/// Tries of a search on a piece: in all, about; from where corrections ended; and from a pose that larger turns lead to.
+const SEARCH_TRIES: usize = 300;
+const FIRST_TRIES: usize = 60;
+const START_TRIES: usize = 90;
+/// Poses whose joints are nearer to each other than this, radians, are taken to lead to the same place; so are all that
+/// turns of three joints or more lead to.
+const APART: f64 = 0.7;
+/// Larger turns that are tried of each joint that bears a leg, radians; of several joints the middle ones, or just one.
+const LARGER_TURNS: [f64; 4] = [0.1, 0.25, 0.5, 0.9];
+/// Holding takes a point no farther than this, body heights: what is farther out of reach is not searched for.
+const HOLDING_HELPS: f64 = 0.3;
 /// A target farther than this from what a straight chain reaches, body heights, is taken to be just as far.
 const MOST_HELP: f64 = 0.06;
+/// A press that leaves a point off its target brings it nearer by this at least, body heights, or by this share of what
+/// was missing: the body is not moved about for less.
+const LEAST_GAIN: f64 = 1e-3;
+const LEAST_SHARE: f64 = 0.1;
 /// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
 const BODY_CORRECTIONS: usize = 8;
 
@@ -153,11 +160,13 @@ impl Wish<'_> {
         Ok(self.kept_if_nearer(edits, made.expect("a draft is made at least once"), to))
     }
 
-    /// Takes over the edits of what was made, unless that has the point farther from its target than it was; returns what
-    /// follows.
+    /// Takes over the edits of what was made, unless that has the point neither at its target nor nearer than it was by what
+    /// is worth moving the body; returns what follows.
     fn kept_if_nearer(&self, edits: &mut Edits, made: Solved, target: DVec3) -> Solved {
         let missing = |solved: &Solved| self.at(&pose(solved, self.frame_idx)).distance(target);
-        if missing(&made) > missing(self.solved) {
+        let (is, was) = (missing(&made), missing(self.solved));
+        let least = (LEAST_GAIN * self.height()).min(LEAST_SHARE * was);
+        if is > THERE * self.height() && was - is < least {
             return draft(&Arc::new(edits.clone()), &made);
         }
         edits.clone_from(&made.edits);
@@ -167,7 +176,7 @@ impl Wish<'_> {
     /// Moves the point of a piece by all joints of the chain.
     ///
     /// All joints turn in the pose that is seen. Holding the feet then takes the carrier a little elsewhere, which is
-    /// corrected. A target that is out of reach by no more than holding may move the carrier is searched for.
+    /// corrected. A target that is out of reach by no more than holding may help is searched for.
     fn body_on_piece(
         &self,
         piece: &Piece,
@@ -231,12 +240,6 @@ impl Wish<'_> {
         let joints = self.chain.iter().map(|joint| world[joint.idx()].translation);
         let places: Vec<DVec3> = joints.chain([self.at(world)]).collect();
         (places[0], places.windows(2).map(|pair| pair[0].distance(pair[1])).sum())
-    }
-
-    /// Tells whether the chain is as good as straight.
-    fn is_stretched(&self, world: &[Rigid]) -> bool {
-        let (top, length) = self.top_and_length(world);
-        top.distance(self.at(world)) > STRETCHED * length
     }
 
     /// Returns the place nearest to a target that the chain reaches, as far as holding may help it.
@@ -318,30 +321,76 @@ impl Wish<'_> {
 
     /// Searches a piece for turns of the chain that bring the point to a target, or as near as can be.
     ///
-    /// What holding does may bend sharply between one turn and the next, and keep the search on the wrong side: one that
-    /// ends just short, or with a chain that is still bent, is made again in shorter steps, and then from the pose that
-    /// was seen, if it is another.
+    /// Only what the joints do that bear a leg has to be found out: the others move no foot, and turn as far as is missing.
+    /// What holding does may bend sharply between one turn and the next, and far turns may do what near ones do not: a
+    /// search that ends short is made again from where larger turns of the pose that was seen bring the point nearest.
     fn searched(&self, piece: &Piece, [seen, begin]: [&OnPiece; 2], to: DVec3, probe: &mut Probe) -> OnPiece {
-        let most_tries = SEARCH_TRIES.max(TRIES_PER_JOINT * self.chain.len());
-        let search = |probe: &mut Probe, begin: &OnPiece| {
-            probe.nearest(begin.clone(), to, THERE_ON_PIECE * self.height(), most_tries, |now, turns| {
-                self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok()
-            })
+        let bearing: Vec<JointId> = self.chain.iter().copied().filter(|&joint| !self.is_free(joint)).collect();
+        let near = THERE_ON_PIECE * self.height();
+        let turned = |now: &(Edits, Seen), turns: &[DQuat]| self.borne_on_piece(piece, now, &bearing, turns, to);
+        let mut n_left = SEARCH_TRIES;
+        let search = |begin: &OnPiece, n_left: &mut usize, most_tries: usize| {
+            let mut probe = Probe::new(bearing.len(), self.height());
+            let found = probe.nearest(begin.clone(), to, near, most_tries.min(*n_left), turned);
+            *n_left = n_left.saturating_sub(probe.n_tried());
+            found
         };
-        let mut best = search(probe, begin);
-        for (from, again) in [(begin, probe.careful()), (seen, probe.anew())] {
-            let missing = best.at.distance(to);
-            let worth = if self.is_stretched(&best.pose.1.held) { NEARLY_THERE } else { HOLDING_HELPS };
-            if !(THERE_ON_PIECE..worth).contains(&(missing / self.height())) {
-                break;
-            }
-            let mut again = again;
-            let tried = search(&mut again, from);
-            if tried.at.distance(to) < missing {
-                (best, *probe) = (tried, again);
+        let mut best = search(begin, &mut n_left, FIRST_TRIES);
+        if best.at.distance(to) > near {
+            let turns = larger_turns(bearing.len());
+            let tried = side_by_side(&turns, |turns| turned(&seen.pose, turns));
+            n_left = n_left.saturating_sub(turns.len());
+            for start in self.nearest_apart(tried.into_iter().flatten().collect(), &bearing, to) {
+                if n_left <= 3 * bearing.len() || best.at.distance(to) < near {
+                    break;
+                }
+                let found = search(&start, &mut n_left, START_TRIES);
+                if found.at.distance(to) < best.at.distance(to) {
+                    best = found;
+                }
             }
         }
+        probe.look_around(&best, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
         best
+    }
+
+    /// Returns poses in the order of how near they have the point to a target, without those that turn joints much as a
+    /// nearer one does.
+    fn nearest_apart(&self, mut tried: Vec<OnPiece>, joints: &[JointId], to: DVec3) -> Vec<OnPiece> {
+        tried.sort_by(|a, b| a.at.distance(to).total_cmp(&b.at.distance(to)));
+        let rotation = |of: &OnPiece, joint: &JointId| of.pose.1.held[joint.idx()].rotation;
+        let is_apart = |a: &OnPiece, b: &OnPiece| {
+            joints.iter().any(|joint| rotation(a, joint).angle_between(rotation(b, joint)) > APART)
+        };
+        let mut kept = Vec::<OnPiece>::new();
+        for one in tried {
+            if kept.iter().all(|nearer| is_apart(nearer, &one)) {
+                kept.push(one);
+            }
+        }
+        kept
+    }
+
+    /// Turns the joints of the chain that bear a leg, and then the others, which move no foot, as far as is missing.
+    fn borne_on_piece(
+        &self,
+        piece: &Piece,
+        now: &(Edits, Seen),
+        bearing: &[JointId],
+        turns: &[DQuat],
+        to: DVec3,
+    ) -> Option<OnPiece> {
+        let turns: Vec<_> = bearing.iter().zip(turns).map(|(&joint, &turn)| JointTurn { joint, turn }).collect();
+        let mut tried = self.turned_on_piece(piece, now, &turns).ok()?;
+        let free = self.free();
+        if !free.is_empty() {
+            let (edits, seen) = &mut tried.pose;
+            let turns = self.turns(&free, &seen.held, to);
+            self.key(edits, &turns).ok()?;
+            seen.held = ik::turned_world(&self.solved.clip.skeleton, &seen.held, &turns);
+            tried.at = self.at(&seen.held);
+        }
+        Some(tried)
     }
 
     fn joint_turns(&self, turns: &[DQuat]) -> Vec<JointTurn> {
@@ -363,4 +412,22 @@ impl Wish<'_> {
         let seen = piece.with(&edits);
         Tried { at: self.at(&seen.held), pose: (edits, seen) }
     }
+}
+
+/// Lists larger turns of each joint about its axes and between them, the others still.
+fn larger_turns(n_joints: usize) -> Vec<Vec<DQuat>> {
+    let angles = match n_joints {
+        1 => &LARGER_TURNS[..],
+        2 => &LARGER_TURNS[1..3],
+        _ => &LARGER_TURNS[1..2],
+    };
+    let between = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(y, z)| DVec3::new(1.0, y, z).normalize());
+    let axes: Vec<DVec3> = DVec3::AXES.into_iter().chain(between).flat_map(|axis| [axis, -axis]).collect();
+    let turns = angles.iter().flat_map(|&angle| axes.iter().map(move |&axis| DQuat::from_axis_angle(axis, angle)));
+    let of_joint = |joint: usize| {
+        turns
+            .clone()
+            .map(move |turn| (0..n_joints).map(|of| if of == joint { turn } else { DQuat::IDENTITY }).collect())
+    };
+    (0..n_joints).flat_map(of_joint).collect()
 }
