@@ -41,7 +41,8 @@ const FIRST_TRIES: usize = 60;
 const START_TRIES: usize = 90;
 /// Steps of a search whose result is only to be seen for a moment, beside what it takes to find out what joints do.
 const FEW_STEPS: usize = 4;
-/// Poses whose joints are nearer to each other than this, radians, lead to the same place.
+/// Poses whose joints are nearer to each other than this, radians, are taken to lead to the same place; so are all that
+/// turns of three joints or more lead to.
 const APART: f64 = 0.7;
 /// Larger turns that are tried of each joint that bears a leg, radians; of several joints the middle ones, or just one.
 const LARGER_TURNS: [f64; 4] = [0.1, 0.25, 0.5, 0.9];
