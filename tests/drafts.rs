@@ -237,6 +237,34 @@ fn keys_pressed_in_a_hurry_do_what_they_do_at_leisure() {
 }
 
 #[test]
+fn a_search_is_given_up_in_a_hurry_and_made_another_time() {
+    // A foot, its whole chain, far away.
+    let mut document = drafting(&[], "circle");
+    let before = Arc::clone(document.solved());
+    let to = place(&before, 200, "LeftAnkle") + before.clip.facts.height.value * DVec3::new(0.1, -0.2, 0.0);
+    let pull = reach(200, joint(&before, "LeftAnkle"), joints(&before, FOOT_CHAIN), to);
+    apply(&mut document, pull.clone());
+    let mut at_leisure = document.clone();
+    assert!(at_leisure.measure());
+    let seen = (Arc::clone(document.solved()), Arc::clone(document.edits()));
+    let hurry = document.hurry();
+    hurry.raise();
+    assert!(!document.measure() && !document.solved().is_whole());
+    assert!(Arc::ptr_eq(document.solved(), &seen.0) && Arc::ptr_eq(document.edits(), &seen.1));
+    hurry.lower();
+    assert!(document.measure() && document.solved().is_measured());
+    assert_eq!(document.edits(), at_leisure.edits());
+
+    // Whoever needs the result has no hurry.
+    let mut saved = drafting(&[], "circle");
+    apply(&mut saved, pull);
+    saved.hurry().raise();
+    saved.settle();
+    assert!(saved.solved().is_whole());
+    assert_eq!(saved.edits(), at_leisure.edits());
+}
+
+#[test]
 fn a_turned_hip_turns_once() {
     let mut document = drafting(&[], "circle");
     let mut scripted = opened(&[], Some("circle"));

@@ -2,7 +2,8 @@
 //!
 //! One enum of events and one `match`: whatever can wake the program is in `Event`. This thread alone writes the
 //! document, solves and draws the terminal; the input, signal and preview threads only send. What changes is shown at once,
-//! with the numbers of the feet where it moves along the path, and measured wholly once nothing has come in for a moment.
+//! with the numbers of the feet where it moves along the path, and measured wholly once nothing has come in for a moment;
+//! a search that something comes in upon is given up and made again later.
 
 pub mod preview;
 pub mod preview_main;
@@ -78,7 +79,12 @@ fn run(editor: Editor) -> Result<u8, tui::ScreenError> {
         send_signal(signal);
     })?;
     let terminal = Terminal::take(screen.clone())?;
-    let _input = InputThread::start(screen, forward(&sender, Event::Input))?;
+    let mut send_input = forward(&sender, Event::Input);
+    let hurry = editor.document().hurry();
+    let _input = InputThread::start(screen, move |event| {
+        hurry.raise();
+        send_input(event)
+    })?;
     let mut app = App::new(editor, terminal, sender);
     if let Err(why) = app.open_window(Window::First) {
         app.window_line = why;
@@ -194,6 +200,7 @@ impl App {
             last = Instant::now();
             let mut changed = self.editor.advance(secs);
             if event.is_none() {
+                self.editor.document().hurry().lower();
                 changed |= self.editor.measure();
             }
             // What has piled up is acted on before anything is drawn.
@@ -365,8 +372,12 @@ impl App {
 
     fn start(&self, kind: Kind, program: io::Result<PreviewProgram>) -> Result<Shown, String> {
         let program = program.map_err(|e| format!("no preview: {e}"))?;
-        let sender = self.sender.clone();
+        let (sender, hurry) = (self.sender.clone(), self.editor.document().hurry());
         let preview = Preview::start(&program, move |event| {
+            // A picture that was asked for is nothing new.
+            if !matches!(event, FromPreview::Frame(_)) {
+                hurry.raise();
+            }
             // Nobody listens any more only when the editor is leaving.
             let _ = sender.send(Event::Preview(kind, event));
         });

@@ -195,7 +195,7 @@ pub(super) struct Next {
 /// # Errors
 ///
 /// When the change cannot be made; nothing is half done.
-pub(super) fn next(solved: &Solved, change: &Change, follows: Follows) -> Result<Next, ChangeError> {
+pub(super) fn next(solved: &Solved, change: &Change, follows: Follows<'_>) -> Result<Next, ChangeError> {
     let mut edits = (*solved.edits).clone();
     let mut warnings = Vec::new();
     let mut draft = None;

@@ -33,6 +33,7 @@ mod walked;
 use std::{collections::VecDeque, path::Path, path::PathBuf, sync::Arc};
 
 pub use crate::path::Cycling;
+use crate::sync::Hurry;
 pub use change::{Change, ChangeError};
 pub use edits::{
     Axes, CameraEdits, ClipEdits, Edits, HeadingEdits, LoopEdits, OneViewEdits, OriginalEdits, PathEdits, PlantsEdits,
@@ -70,6 +71,8 @@ pub struct Document {
     drafts: bool,
     /// The change of a pose that feet follow near its frame alone so far.
     unsettled: Option<Change>,
+    /// Raised by whoever cannot wait for the rest of the clip.
+    hurry: Hurry,
     /// What was solved at the revisions left last, newest last: there undo and redo find it.
     left: VecDeque<Arc<Solved>>,
     /// The edits as last saved or opened.
@@ -88,6 +91,7 @@ impl Document {
             solved,
             drafts: false,
             unsettled: None,
+            hurry: Hurry::default(),
             left: VecDeque::new(),
             saved: edits,
             project: opened.project,
@@ -113,9 +117,12 @@ impl Document {
         self.drafts = true;
     }
 
-    /// Has all of the clip follow the edits and measures it; false when that is done already.
+    /// Has all of the clip follow the edits and measures it; false when that is done already, or was given up in a hurry.
     pub fn measure(&mut self) -> bool {
-        self.settle();
+        self.settle_unless(&self.hurry.clone());
+        if !self.solved.is_whole() {
+            return false;
+        }
         let is_due = !self.solved.is_measured();
         if is_due {
             self.solved = Arc::new(solve(&self.solved.source, self.history.edits(), Some(&self.solved)));
@@ -126,17 +133,31 @@ impl Document {
     /// Has all of the clip follow a change of a pose; what that puts elsewhere than it was wanted is put there, as part of
     /// the same step. For whoever is about to ask where something is, to go on from there with another change.
     pub fn settle(&mut self) {
+        self.settle_unless(&Hurry::default());
+    }
+
+    /// Returns what gives up a [`Document::measure`] under way where it is raised, on whatever thread: all stays as it was
+    /// and can be measured another time. Whoever measures lowers it before.
+    pub fn hurry(&self) -> Hurry {
+        self.hurry.clone()
+    }
+
+    fn settle_unless(&mut self, hurry: &Hurry) {
         if self.solved.is_whole() {
             return;
         }
         let mut settled = draft(self.edits(), &self.solved);
-        if let Some(change) = self.unsettled.take()
+        if let Some(change) = &self.unsettled
             && let Ok(change::Next { edits, draft: Some(draft), .. }) =
-                change::next(&settled, &change, Follows::Everywhere)
+                change::next(&settled, change, Follows::Everywhere(hurry))
         {
+            if hurry.is_raised() {
+                return;
+            }
             self.history.push(edits, true, change.to_string());
             settled = draft;
         }
+        self.unsettled = None;
         self.take(Solved { edits: Arc::clone(self.edits()), ..settled });
     }
 
@@ -186,7 +207,8 @@ impl Document {
     /// When the change cannot be made; then nothing has changed.
     pub fn apply_to(&mut self, from: &Solved, change: &Change, joins: bool) -> Result<Vec<String>, ChangeError> {
         self.settle_before(change, joins);
-        let follows = if self.drafts { Follows::Nearby } else { Follows::Everywhere };
+        let at_leisure = Hurry::default();
+        let follows = if self.drafts { Follows::Nearby } else { Follows::Everywhere(&at_leisure) };
         let change::Next { edits, warnings, draft } = change::next(from, change, follows)?;
         let depth = self.depth();
         match change {

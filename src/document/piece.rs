@@ -23,6 +23,7 @@ use crate::{
     motion::{Clip, EditedClip, TurnedJoint},
     path::{PathFrame, Residuals},
     skeleton::JointId,
+    sync::Hurry,
 };
 
 /// A point that is nearer to its target than this share of the body height is there.
@@ -42,12 +43,24 @@ const NEAR_SECS: f64 = 0.5;
 const FADE_SECS: f64 = 0.5;
 
 /// How far the clip follows an edit of a pose before it is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Follows {
-    /// All of it, and what the piece was off by is corrected.
-    Everywhere,
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Follows<'a> {
+    /// All of it, and what the piece was off by is corrected; unless somebody is in a hurry, and then what comes of it is
+    /// worth nothing.
+    Everywhere(&'a Hurry),
     /// As the piece does, see [`Piece::shown`], with what is soon found on it.
     Nearby,
+}
+
+impl Follows<'_> {
+    pub(super) fn is_nearby(self) -> bool {
+        matches!(self, Self::Nearby)
+    }
+
+    /// Tells whether what is being done is to be given up.
+    pub(super) fn is_given_up(self) -> bool {
+        matches!(self, Self::Everywhere(hurry) if hurry.is_raised())
+    }
 }
 
 /// A piece of what walks. Its frames count from its first one.

@@ -81,7 +81,7 @@ pub(super) fn change(
     layer_idx: usize,
     frame_idx: usize,
     change: &PoseChange,
-    follows: Follows,
+    follows: Follows<'_>,
 ) -> Result<Option<Solved>, LayerRefusal> {
     editable(edits, layer_idx)?;
     match change {
@@ -119,7 +119,7 @@ pub(super) fn change(
             let world = pose(solved, frame_idx)[joint.idx()].rotation;
             let turn = ik::turn_about(world, *axis, *angle_rad);
             key_turns(solved, edits, layer_idx, frame_idx, &[JointTurn { joint: *joint, turn }])?;
-            if follows == Follows::Nearby && solved.holding.is_some() && !solved.posed.is_free(*joint) {
+            if follows.is_nearby() && solved.holding.is_some() && !solved.posed.is_free(*joint) {
                 let piece = Piece::around(solved, frame_idx);
                 let made = Arc::new(edits.clone());
                 return Ok(Some(piece.shown(&piece.with(&solved.edits), &piece.with(&made), &made)));
@@ -153,7 +153,7 @@ fn carry_on(
     layer_idx: usize,
     frame_idx: usize,
     to: DVec3,
-    follows: Follows,
+    follows: Follows<'_>,
 ) -> Result<Solved, LayerRefusal> {
     let height = solved.clip.facts.height.value;
     let piece = Piece::around(solved, frame_idx);
@@ -205,7 +205,7 @@ fn carry_on(
         }
         let (found, seen) = &now.pose;
         edits.clone_from(found);
-        if follows == Follows::Nearby {
+        if follows.is_nearby() {
             return Ok(piece.shown(&begin.pose.1, seen, &Arc::new(edits.clone())));
         }
         let drafted = draft(&Arc::new(edits.clone()), made.as_ref().unwrap_or(solved));

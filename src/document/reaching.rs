@@ -36,7 +36,7 @@ const MOST_AHEAD: f64 = 4.0;
 /// A foot that goes on by less than this share of where it is aimed says nothing of how to aim it.
 const LEAST_GOES_ON: f64 = 0.05;
 /// Tries of a search on a piece: in all, about; from where corrections ended; and from a pose that larger turns lead to.
-const SEARCH_TRIES: usize = 300;
+const SEARCH_TRIES: usize = 1000;
 const FIRST_TRIES: usize = 60;
 const START_TRIES: usize = 90;
 /// Steps of a search whose result is only to be seen for a moment, beside what it takes to find out what joints do.
@@ -67,7 +67,7 @@ pub(super) struct Wish<'a> {
     pub(super) point: usize,
     /// The joints that turn, top first.
     pub(super) chain: Vec<JointId>,
-    pub(super) follows: Follows,
+    pub(super) follows: Follows<'a>,
 }
 
 /// What holding feet has to do with the joints that turn.
@@ -144,7 +144,7 @@ impl Wish<'_> {
             let off = on_piece.at - self.at(&pose(now, self.frame_idx));
             let begin = on_piece;
             on_piece = self.body_on_piece(&piece, begin.clone(), to + off, &mut probe)?;
-            if self.follows == Follows::Nearby {
+            if self.follows.is_nearby() {
                 return Ok(self.shown(&piece, edits, &begin, on_piece, to + off));
             }
             if probe.knows() {
@@ -248,7 +248,7 @@ impl Wish<'_> {
         let begin = self.on_piece(&piece, edits.clone());
         let aim = to + (begin.at - self.at(&now));
         let found = self.foot_on_piece(&piece, begin.clone(), aim, &mut probe)?;
-        if self.follows == Follows::Nearby {
+        if self.follows.is_nearby() {
             return Ok(self.shown(&piece, edits, &begin, found, aim));
         }
         let expected = found.at.distance(aim);
@@ -290,7 +290,7 @@ impl Wish<'_> {
         };
         let made = in_clip(&found.pose.0, self.solved);
         let enough = near + expected;
-        if made.at.distance(to) < enough {
+        if made.at.distance(to) < enough || self.follows.is_given_up() {
             return made.pose;
         }
         probe.look_around(&found, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
@@ -354,36 +354,49 @@ impl Wish<'_> {
     ///
     /// Only what the joints do that bear a leg has to be found out: the others move no foot, and turn as far as is missing.
     /// What holding does may bend sharply between one turn and the next, and far turns may do what near ones do not: a
-    /// search that ends short is made again from where larger turns of the pose that was seen bring the point nearest.
+    /// search that ends short is made again from where larger turns of the pose that was seen bring the point nearest, then
+    /// from where larger turns of what was found do, and so on while that gets it nearer.
     fn searched(&self, piece: &Piece, [seen, begin]: [&OnPiece; 2], to: DVec3, probe: &mut Probe) -> OnPiece {
         let bearing: Vec<JointId> = self.chain.iter().copied().filter(|&joint| !self.is_free(joint)).collect();
         let near = THERE_ON_PIECE * self.height();
-        let turned = |now: &(Edits, Seen), turns: &[DQuat]| self.borne_on_piece(piece, now, &bearing, turns, to);
-        let is_brief = self.follows == Follows::Nearby;
-        let mut n_left = if is_brief { 3 * bearing.len() + FEW_STEPS } else { SEARCH_TRIES };
-        let search = |begin: &OnPiece, n_left: &mut usize, most_tries: usize| {
-            let mut probe = Probe::new(bearing.len(), self.height());
-            let found = probe.nearest(begin.clone(), to, near, most_tries.min(*n_left), turned);
-            *n_left = n_left.saturating_sub(probe.n_tried());
-            found
+        let turned = |now: &(Edits, Seen), turns: &[DQuat]| match self.follows.is_given_up() {
+            true => None,
+            false => self.borne_on_piece(piece, now, &bearing, turns, to),
         };
-        let mut best = search(begin, &mut n_left, FIRST_TRIES);
+        let is_brief = self.follows.is_nearby();
+        let mut n_left = if is_brief { 3 * bearing.len() + FEW_STEPS } else { SEARCH_TRIES };
+        let search = |begin: &OnPiece, most_tries: usize| {
+            let mut probe = Probe::new(bearing.len(), self.height());
+            let found = probe.nearest(begin.clone(), to, near, most_tries, turned);
+            (found, probe.n_tried())
+        };
         if is_brief {
-            return best;
+            return search(begin, n_left).0;
         }
-        if best.at.distance(to) > near {
-            let turns = larger_turns(bearing.len());
-            let tried = side_by_side(&turns, |turns| turned(&seen.pose, turns));
+        let (mut best, n_tried) = search(begin, FIRST_TRIES);
+        n_left = n_left.saturating_sub(n_tried);
+        let mut from = seen.clone();
+        let mut missing = f64::INFINITY;
+        let turns = larger_turns(bearing.len());
+        while best.at.distance(to) > near && n_left > turns.len() && !self.follows.is_given_up() {
+            let tried = side_by_side(&turns, |turns| turned(&from.pose, turns));
             n_left = n_left.saturating_sub(turns.len());
-            for start in self.nearest_apart(tried.into_iter().flatten().collect(), &bearing, to) {
+            for starts in self.nearest_apart(tried.into_iter().flatten().collect(), &bearing, to).chunks(2) {
                 if n_left <= 3 * bearing.len() || best.at.distance(to) < near {
                     break;
                 }
-                let found = search(&start, &mut n_left, START_TRIES);
-                if found.at.distance(to) < best.at.distance(to) {
-                    best = found;
+                for (found, n_tried) in side_by_side(starts, |start| search(start, START_TRIES)) {
+                    n_left = n_left.saturating_sub(n_tried);
+                    if found.at.distance(to) < best.at.distance(to) {
+                        best = found;
+                    }
                 }
             }
+            if best.at.distance(to) > (1.0 - LEAST_SHARE) * missing {
+                break;
+            }
+            missing = best.at.distance(to);
+            from = best.clone();
         }
         probe.look_around(&best, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
         best

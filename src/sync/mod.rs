@@ -1,13 +1,38 @@
-//! Between threads: a one-place mailbox where the newest value wins, and work on frames shared by two cores.
+//! Between threads: a one-place mailbox where the newest value wins, a wish for long work to be given up, and work on
+//! frames shared by two cores.
 //!
 //! A mailbox's slow reader skips values and its fast writer never waits. The lock is held for a move, never across a
 //! call.
 
 mod halves;
 
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{
+    Arc, Condvar, Mutex, PoisonError,
+    atomic::{AtomicBool, Ordering},
+};
 
 pub use halves::{both, each, halves, listed, pooled, side_by_side};
+
+/// A wish for long work to be given up, shared by clones.
+#[derive(Clone, Debug, Default)]
+pub struct Hurry(Arc<AtomicBool>);
+
+impl Hurry {
+    /// Wishes that what looks at this is given up.
+    pub fn raise(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Takes the wish back.
+    pub fn lower(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+
+    /// Tells whether somebody wishes it.
+    pub fn is_raised(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
 
 /// A place for one value, shared by clones.
 #[derive(Debug)]
