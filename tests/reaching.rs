@@ -576,6 +576,19 @@ fn bodies_and_knees_get_there_by_larger_turns_of_the_joints_that_bear_legs() {
     check_reached(("cmu_131_01_start_walk_stop", "plain", "eight", 585, "Chest", &["Hips", "lowerback"], way));
 }
 
+/// One look at larger turns ended 2e-3 to 2e-2 body heights short; what it found had to be gone on from.
+#[test]
+fn bodies_and_knees_get_there_by_larger_turns_of_what_was_found() {
+    let way = [0.0094898040, -0.0284313738, 0.0074062496];
+    let leg = &["Hips", "RHipJoint", "RightHip"];
+    check_reached(("cmu_131_01_start_walk_stop", "plain", "eight", 110, "RightKnee", leg, way));
+    let way = [-0.0043003081, -0.0494986599, 0.0287601942];
+    let leg = &["Hips", "LHipJoint", "LeftHip"];
+    check_reached(("cmu_131_01_start_walk_stop", "plain", "eight", 218, "LeftKnee", leg, way));
+    let way = [-0.0001684791, -0.0652505642, 0.0283747522];
+    check_reached(("walk01", "blended", "circle:3", 250, "Spine", &["Hips"], way));
+}
+
 /// The piece of the clip cut short how long a foot was to stand next, and was up to 5e-2 body heights off the clip.
 #[test]
 fn a_body_that_is_about_to_stand_for_long_gets_there() {

@@ -36,14 +36,16 @@ const MOST_AHEAD: f64 = 4.0;
 /// A foot that goes on by less than this share of where it is aimed says nothing of how to aim it.
 const LEAST_GOES_ON: f64 = 0.05;
 /// Tries of a search on a piece: in all, about; from where corrections ended; and from a pose that larger turns lead to.
-const SEARCH_TRIES: usize = 1000;
+const SEARCH_TRIES: usize = 1500;
 const FIRST_TRIES: usize = 60;
 const START_TRIES: usize = 90;
 /// Steps of a search whose result is only to be seen for a moment, beside what it takes to find out what joints do.
 const FEW_STEPS: usize = 4;
-/// Poses whose joints are nearer to each other than this, radians, are taken to lead to the same place; so are all that
-/// turns of three joints or more lead to.
-const APART: f64 = 0.7;
+/// Poses whose joints are nearer to each other than this, radians, are taken to lead to the same place: of up to two
+/// joints, and of more.
+const APART: [f64; 2] = [0.7, 0.2];
+/// So many poses of more joints are gone on from at most: there is more to be had from where the best of them leads.
+const MOST_STARTS: usize = 4;
 /// Larger turns that are tried of each joint that bears a leg, radians; of several joints the middle ones, or just one.
 const LARGER_TURNS: [f64; 4] = [0.1, 0.25, 0.5, 0.9];
 /// A chain shorter than this share of the body height is none.
@@ -413,13 +415,17 @@ impl Wish<'_> {
     /// Returns poses in the order of how near they have the point to a target, without those that turn joints much as a
     /// nearer one does.
     fn nearest_apart(&self, mut tried: Vec<OnPiece>, joints: &[JointId], to: DVec3) -> Vec<OnPiece> {
+        let (apart, most) = if joints.len() > 2 { (APART[1], MOST_STARTS) } else { (APART[0], tried.len()) };
         tried.sort_by(|a, b| a.at.distance(to).total_cmp(&b.at.distance(to)));
         let rotation = |of: &OnPiece, joint: &JointId| of.pose.1.held[joint.idx()].rotation;
         let is_apart = |a: &OnPiece, b: &OnPiece| {
-            joints.iter().any(|joint| rotation(a, joint).angle_between(rotation(b, joint)) > APART)
+            joints.iter().any(|joint| rotation(a, joint).angle_between(rotation(b, joint)) > apart)
         };
         let mut kept = Vec::<OnPiece>::new();
         for one in tried {
+            if kept.len() == most {
+                break;
+            }
             if kept.iter().all(|nearer| is_apart(nearer, &one)) {
                 kept.push(one);
             }
