@@ -259,7 +259,8 @@ fn a_search_is_given_up_in_a_hurry_and_made_another_time() {
     let mut saved = drafting(&[], "circle");
     apply(&mut saved, pull);
     saved.hurry().raise();
-    saved.settle();
+    let folder = tempfile::tempdir().expect("a folder");
+    saved.save(&folder.path().join("walk.toml")).expect("written");
     assert!(saved.solved().is_whole());
     assert_eq!(saved.edits(), at_leisure.edits());
 }

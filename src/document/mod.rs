@@ -119,7 +119,7 @@ impl Document {
 
     /// Has all of the clip follow the edits and measures it; false when that is done already, or was given up in a hurry.
     pub fn measure(&mut self) -> bool {
-        self.settle_unless(&self.hurry.clone());
+        self.settle_as_far(Follows::Everywhere(&self.hurry.clone()));
         if !self.solved.is_whole() {
             return false;
         }
@@ -131,9 +131,10 @@ impl Document {
     }
 
     /// Has all of the clip follow a change of a pose; what that puts elsewhere than it was wanted is put there, as part of
-    /// the same step. For whoever is about to ask where something is, to go on from there with another change.
+    /// the same step, if that takes no long search. For whoever is about to ask where something is, to go on from there
+    /// with another change.
     pub fn settle(&mut self) {
-        self.settle_unless(&Hurry::default());
+        self.settle_as_far(Follows::Briefly);
     }
 
     /// Returns what gives up a [`Document::measure`] under way where it is raised, on whatever thread: all stays as it was
@@ -142,16 +143,15 @@ impl Document {
         self.hurry.clone()
     }
 
-    fn settle_unless(&mut self, hurry: &Hurry) {
+    fn settle_as_far(&mut self, follows: Follows<'_>) {
         if self.solved.is_whole() {
             return;
         }
         let mut settled = draft(self.edits(), &self.solved);
         if let Some(change) = &self.unsettled
-            && let Ok(change::Next { edits, draft: Some(draft), .. }) =
-                change::next(&settled, change, Follows::Everywhere(hurry))
+            && let Ok(change::Next { edits, draft: Some(draft), .. }) = change::next(&settled, change, follows)
         {
-            if hurry.is_raised() {
+            if follows.is_given_up() {
                 return;
             }
             self.history.push(edits, true, change.to_string());
@@ -258,7 +258,7 @@ impl Document {
     ///
     /// When the file cannot be written.
     pub fn save(&mut self, file: &Path) -> Result<(), OpenError> {
-        self.settle();
+        self.settle_as_far(Follows::Everywhere(&Hurry::default()));
         files::save(&self.as_project(file), file)?;
         self.saved = Arc::clone(self.edits());
         self.project = Some(file.to_owned());
@@ -296,7 +296,7 @@ impl Document {
     ///
     /// When the file cannot be written.
     pub fn export(&mut self, file: &Path, interpolated: bool) -> Result<(), OpenError> {
-        self.settle();
+        self.settle_as_far(Follows::Everywhere(&Hurry::default()));
         let solved = &self.solved;
         write_file(file, &if interpolated { solved.to_bvh_interpolated() } else { solved.to_bvh() })
     }

@@ -48,6 +48,8 @@ pub(super) enum Follows<'a> {
     /// All of it, and what the piece was off by is corrected; unless somebody is in a hurry, and then what comes of it is
     /// worth nothing.
     Everywhere(&'a Hurry),
+    /// All of it, too, but nothing is searched for long.
+    Briefly,
     /// As the piece does, see [`Piece::shown`], with what is soon found on it.
     Nearby,
 }
@@ -55,6 +57,11 @@ pub(super) enum Follows<'a> {
 impl Follows<'_> {
     pub(super) fn is_nearby(self) -> bool {
         matches!(self, Self::Nearby)
+    }
+
+    /// Tells whether nothing is to be searched for long.
+    pub(super) fn is_brief(self) -> bool {
+        matches!(self, Self::Nearby | Self::Briefly)
     }
 
     /// Tells whether what is being done is to be given up.

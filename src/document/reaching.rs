@@ -371,7 +371,7 @@ impl Wish<'_> {
             true => None,
             false => self.borne_on_piece(piece, now, &bearing, turns, to),
         };
-        let is_brief = self.follows.is_nearby();
+        let is_brief = self.follows.is_brief();
         let mut n_left = if is_brief { 3 * bearing.len() + FEW_STEPS } else { SEARCH_TRIES };
         let search = |begin: &OnPiece, most_tries: usize| {
             let mut probe = Probe::new(bearing.len(), self.height());
