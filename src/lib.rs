@@ -18,7 +18,7 @@
 //! | 3 | [`path`], [`contact`], [`displace`] | path out of and into a clip · plant detection · displacement maps |
 //! | 2 | [`motion`] | clips, poses, kinematics; conversion from and to BVH |
 //! | 1 | [`curve`], [`bvh`], [`skeleton`] | polynomial fit, B-spline, arc length · the file as it is, losslessly · joint tree |
-//! | 0 | [`math`], [`sync`], [`key`] | what glam and the linear algebra library lack · newest-value mailbox, work by halves · one name for a key press |
+//! | 0 | [`math`], [`sync`], [`key`] | what glam and the linear algebra library lack · newest-value mailbox, work that can be given up, work by halves · one name for a key press |
 //!
 //! # The flow of one change
 //!
