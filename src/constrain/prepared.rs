@@ -302,19 +302,11 @@ fn can_be_held(clip: &Clip, foot: &FootPlants) -> bool {
 
 /// Returns the joints below the carrier that a leg's foot hangs on or is, parents first.
 fn joints_of(skeleton: &Skeleton, leg: &Leg, carrier: JointId) -> Vec<JointId> {
-    let ends = [leg.ankle, toe_joint(skeleton, leg)];
+    let ends = [leg.ankle, skeleton.joint_of_point(leg.toe)];
     let is_needed = |&id: &JointId| {
         id != carrier && skeleton.is_within(id, carrier) && ends.iter().any(|&end| skeleton.is_within(end, id))
     };
     skeleton.ids().filter(is_needed).collect()
-}
-
-/// Returns the joint that a leg's toe is, or whose end site it is.
-fn toe_joint(skeleton: &Skeleton, leg: &Leg) -> JointId {
-    match leg.toe.checked_sub(skeleton.n_joints()) {
-        None => JointId(leg.toe as u32),
-        Some(site) => skeleton.end_sites()[site],
-    }
 }
 
 /// Takes a leg out of four poses in the carrier's space.

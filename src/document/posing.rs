@@ -95,11 +95,7 @@ pub(super) fn change(
                 // What holding makes of their turns is no way to move it.
                 _ if wish.has_no_length() => {
                     let skeleton = &solved.clip.skeleton;
-                    let joint = match point.checked_sub(skeleton.n_joints()) {
-                        None => JointId(*point as u32),
-                        Some(site) => skeleton.end_sites()[site],
-                    };
-                    return Err(LayerRefusal::AtOnePlace(joint_name(skeleton, joint)));
+                    return Err(LayerRefusal::AtOnePlace(joint_name(skeleton, skeleton.joint_of_point(*point))));
                 }
                 Holding::None => {
                     let turns = wish.turns(&wish.chain, &pose(solved, frame_idx), *to);

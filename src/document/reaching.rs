@@ -323,10 +323,7 @@ impl Wish<'_> {
     ) -> Result<OnPiece, LayerRefusal> {
         let skeleton = &self.solved.clip.skeleton;
         // Holding moves a foot as one rigid body.
-        let end = match self.point.checked_sub(skeleton.n_joints()) {
-            None => self.point,
-            Some(site) => skeleton.end_sites()[site].idx(),
-        };
+        let end = skeleton.joint_of_point(self.point).idx();
         let mut best = begin.clone();
         // How much farther than it is to go the point has to be aimed, by all that holding did so far (C. Broyden, 1965).
         let mut ahead = DMat3::IDENTITY;

@@ -138,10 +138,7 @@ impl Editor {
         let points = scene.now.actors.get(body)?;
         let clip = &self.document.solved().clip;
         let moves = clip.skeleton.subtree(clip.facts.carrier.value);
-        let joint_of = |point: usize| match point.checked_sub(clip.skeleton.n_joints()) {
-            None => JointId(point as u32),
-            Some(site) => clip.skeleton.end_sites()[site],
-        };
+        let joint_of = |point: usize| clip.skeleton.joint_of_point(point);
         let drawn = points.iter().enumerate().filter(|&(point, _)| moves[joint_of(point).idx()]);
         // Of four views each has half the window's height.
         let near = if scene.now.views.len() > 2 { 2.0 * NEAR } else { NEAR };

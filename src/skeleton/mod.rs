@@ -83,6 +83,14 @@ impl Skeleton {
         (0..self.joints.len() as u32).map(JointId)
     }
 
+    /// Returns the joint that a point is, or whose end site it is; points are joints, then end sites.
+    pub fn joint_of_point(&self, point: usize) -> JointId {
+        match point.checked_sub(self.n_joints()) {
+            None => JointId(point as u32),
+            Some(site) => self.end_sites()[site],
+        }
+    }
+
     /// Returns the joints that carry an end site; the end site `i` of this list is point `n_joints() + i`.
     pub fn end_sites(&self) -> &[JointId] {
         &self.end_sites
