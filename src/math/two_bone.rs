@@ -199,8 +199,8 @@ pub fn shortest_arc(from: DVec3, to: DVec3) -> DQuat {
     let scale = (from.length_squared() * to.length_squared()).sqrt();
     let w = scale + from.dot(to);
     if w <= OPPOSITE * scale {
-        let aside = from.any_orthonormal_vector();
-        return if scale > 0.0 { DQuat::from_xyzw(aside.x, aside.y, aside.z, 0.0) } else { DQuat::IDENTITY };
+        let aside = from.try_normalize().filter(|_| scale > 0.0).map(DVec3::any_orthonormal_vector);
+        return aside.map_or(DQuat::IDENTITY, |aside| DQuat::from_xyzw(aside.x, aside.y, aside.z, 0.0));
     }
     let v = from.cross(to);
     DQuat::from_xyzw(v.x, v.y, v.z, w).normalize()

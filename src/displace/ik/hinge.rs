@@ -80,7 +80,7 @@ pub(super) fn across(upper: DVec3, lower: DVec3, usual: Option<DVec3>) -> DVec3 
     let shown = upper.normalize_or_zero().cross(lower.normalize_or_zero());
     let usual = usual.map_or(DVec3::ZERO, |axis| along.map_or(axis, |along| axis.reject_from_normalized(along)));
     let mixed = shown + USUAL * usual.normalize_or_zero();
-    if mixed.length() > NO_BEND { mixed.normalize() } else { upper.any_orthonormal_vector() }
+    if mixed.length() > NO_BEND { mixed.normalize() } else { upper.normalize().any_orthonormal_vector() }
 }
 
 #[cfg(test)]

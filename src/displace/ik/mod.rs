@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn a_straight_limb_bends_about_its_usual_hinge_and_is_left_alone_at_its_place() {
-        for bones in [&[1.0, 0.8][..], &[0.5, 0.4, 0.6], &[0.3, 0.0, 0.4, 0.5]] {
+        for bones in [&[1.0, 0.8][..], &[2.3, 1.9], &[0.5, 0.4, 0.6], &[0.3, 0.0, 0.4, 0.5]] {
             let limb = Limb::straight(bones);
             let chain: Vec<_> = limb.skeleton.ids().collect();
             let point = limb.place(&limb.world);
