@@ -343,6 +343,38 @@ fn written_angles_go_on_where_the_source_was() {
     }
 }
 
+/// Written angles were once continuous in themselves, and met the file's own by a leap of a whole turn.
+#[test]
+fn written_angles_meet_those_of_the_source_as_they_come_back() {
+    // Once around and back to −180° again and again, and now and then on the other triple of the same pose.
+    let arm_degrees = |f: usize| match (20.0 * f as f64 + 175.0) % 360.0 - 180.0 {
+        z if f % 11 == 5 => [z - 180.0, 150.0, -170.0],
+        z => [z, 30.0, 10.0],
+    };
+    let rows: Vec<Vec<f64>> = (0..60).map(|f| [&[0.0; 6][..], &arm_degrees(f), &[0.0]].concat()).collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let bvh = file(&arm(&format!("6 {XYZ} Zrotation Xrotation Yrotation"), "3 Zrotation Yrotation Xrotation"), &rows);
+    let clip = Arc::new(Clip::from_bvh(&bvh, &as_asked()));
+    let joint = clip.skeleton.find("Arm").expect("there is one");
+    let pi = std::f64::consts::PI;
+    let swell = |f: usize| 0.5 * ((f as f64 - 7.0) / 43.0 * pi).sin();
+    // A half turn, from which two ways lead back.
+    let back = |f: usize| pi * (1.0 - f as f64 / 31.0);
+    for (range, turn) in [(7..50, &swell as &dyn Fn(usize) -> f64), (0..31, &back)] {
+        let turn = |f: usize| if range.contains(&f) { turn(f) } else { 0.0 };
+        let rotations = (0..60).map(|f| DQuat::from_rotation_z(turn(f)) * clip.rotations(f)[joint.idx()]).collect();
+        let turned = vec![TurnedJoint { joint, rotations }];
+        let edited = EditedClip { turned, ..EditedClip::unedited(Arc::clone(&clip)) };
+        let again = Bvh::parse(to_bvh(&bvh, &edited), "again").unwrap_or_else(|e| panic!("{e}"));
+        let added = |f: usize, channel: usize| again.frame(f)[channel] - bvh.frame(f)[channel];
+        for (f, channel) in (1..60).flat_map(|f| (6..9).map(move |channel| (f, channel))) {
+            let step = (added(f, channel) - added(f - 1, channel)).abs();
+            assert!(step < 20.0, "{range:?}, frame {f}, channel {channel}: {step}° more");
+        }
+        assert!((range.end..60).all(|f| again.frame(f) == bvh.frame(f)), "{range:?}");
+    }
+}
+
 #[test]
 fn only_what_moved_is_written_anew() {
     let rows: Vec<Vec<f64>> = (0..4).map(|f| (0..10).map(|c| 0.1 + f64::from(f * 10 + c)).collect()).collect();

@@ -2,7 +2,8 @@
 //! that turn otherwise.
 //!
 //! Values are written in the meaning they were read in (OFFSET replaced or added to), in the file's axes, in the
-//! joint's own rotation order and on the branch of angles that continues the frame before.
+//! joint's own rotation order and on a branch of angles that goes on from frame to frame: where the source's characters
+//! come back, the branch on which the difference from them goes on, so that angles meet theirs as they come back.
 
 use std::{borrow::Cow, ops::Range};
 
@@ -86,21 +87,25 @@ impl Written {
         let mut rows: Vec<(usize, Range<usize>)> = (0..clip.rest_frames()).map(|frame| (row_of(frame), 0..0)).collect();
         let is_edited = !edited.carrier_world.is_empty() || !edited.turned.is_empty();
         let digits = if is_edited { digits(edited) } else { Digits { position_decimals: 6, rotation_decimals: 6 } };
-        let mut carrier = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, clip, digits));
-        let mut turned: Vec<_> =
-            edited.turned.iter().map(|t| (RotationWriter::new(bvh, clip, t.joint, digits), &t.rotations)).collect();
-        for frame in 0..edited.n_frames() {
-            let source_frame = edited.source_frame(frame);
-            let source_row = row_of(clip.file_frame(source_frame));
+        let sources: Vec<Source> = (0..edited.n_frames())
+            .map(|frame| {
+                let frame = edited.source_frame(frame);
+                let row_idx = row_of(clip.file_frame(frame));
+                Source { frame, row_idx, row: bvh.frame(row_idx) }
+            })
+            .collect();
+        let carrier = (!edited.carrier_world.is_empty()).then(|| CarrierWriter::new(bvh, edited, digits, &sources));
+        let turned: Vec<Angles> = (edited.turned.iter())
+            .map(|t| Angles::new(bvh, clip, t.joint, digits, &sources, |frame| t.rotations[frame]))
+            .collect();
+        for (frame, source) in sources.iter().enumerate() {
             let first = changes.len();
-            if let Some(writer) = &mut carrier {
-                writer.write(bvh.frame(source_row), source_frame, edited.carrier_local(frame), &mut changes);
+            if let Some(carrier) = &carrier {
+                carrier.write(source.row, frame, edited.carrier_local(frame), &mut changes);
             }
-            for (writer, rotations) in &mut turned {
-                writer.write(bvh.frame(source_row), source_frame, rotations[frame], &mut changes);
-            }
+            turned.iter().for_each(|angles| angles.write(source.row, frame, &mut changes));
             changes[first..].sort_unstable_by_key(|&(column, _)| column);
-            rows.push((source_row, first..changes.len()));
+            rows.push((source.row_idx, first..changes.len()));
         }
         Self { rows, changes, digits }
     }
@@ -132,87 +137,139 @@ impl Written {
     }
 }
 
-/// Turns the carrier's local transforms into its channels, frame after frame.
-struct CarrierWriter<'a> {
-    rotation: RotationWriter<'a>,
-    /// Added to the position channels on reading.
-    base: DVec3,
+/// What an edited frame is written over.
+struct Source<'a> {
+    /// The clip's frame.
+    frame: usize,
+    /// The file's row.
+    row_idx: usize,
+    row: &'a [f64],
 }
 
-impl<'a> CarrierWriter<'a> {
-    fn new(bvh: &Bvh, clip: &'a Clip, digits: Digits) -> Self {
+/// The carrier's local transforms as its channels.
+struct CarrierWriter {
+    angles: Angles,
+    positions: [usize; 3],
+    up: UpAxis,
+    /// Added to the position channels on reading.
+    base: DVec3,
+    digits: Digits,
+}
+
+impl CarrierWriter {
+    fn new(bvh: &Bvh, edited: &EditedClip, digits: Digits, sources: &[Source]) -> Self {
+        let clip = &*edited.clip;
         assert!(clip.facts.path_editable, "only a carrier with six channels is moved");
-        let rotation = RotationWriter::new(bvh, clip, clip.facts.carrier.value, digits);
-        let joint = clip.skeleton.joint(rotation.joint);
+        let id = clip.facts.carrier.value;
+        let (joint, own) = (clip.skeleton.joint(id), &bvh.joints()[id.idx()]);
+        let up = file_up(clip, id);
         let meaning = if joint.parent.is_none() { &clip.facts.root_offset } else { &clip.facts.joint_offsets };
         let base = match meaning.value {
             OffsetMeaning::Replace => DVec3::ZERO,
-            OffsetMeaning::Add => rotation.up.to_file(joint.offset),
+            OffsetMeaning::Add => up.to_file(joint.offset),
         };
-        Self { rotation, base }
+        let positions = JointChannels::new(&own.channels, own.first_channel).positions;
+        Self {
+            angles: Angles::new(bvh, clip, id, digits, sources, |frame| edited.carrier_local(frame).rotation),
+            positions: positions.map(|column| column.expect("the carrier has three position channels")),
+            up,
+            base,
+            digits,
+        }
     }
 
     /// Appends the channels of one frame that differ from the source row.
-    fn write(&mut self, row: &[f64], source_frame: usize, local: Rigid, changes: &mut Vec<(usize, f64)>) {
-        let position = self.rotation.up.to_file(local.translation) - self.base;
-        let unseen = half_a_digit(self.rotation.digits.position_decimals);
-        for (axis, column) in self.rotation.channels.positions.iter().enumerate() {
-            let column = column.expect("the carrier has three position channels");
-            // What is no number in the source is never within a digit, so it is written anew.
-            let is_kept = (position[axis] - row[column]).abs() <= unseen;
-            if !is_kept {
-                changes.push((column, position[axis]));
-            }
-        }
-        self.rotation.write(row, source_frame, local.rotation, changes);
+    fn write(&self, row: &[f64], frame: usize, local: Rigid, changes: &mut Vec<(usize, f64)>) {
+        let position = self.up.to_file(local.translation) - self.base;
+        append(row, self.positions, position.to_array(), self.digits.position_decimals, changes);
+        self.angles.write(row, frame, changes);
     }
 }
 
-/// Turns a joint's local rotations into its channels, frame after frame.
-struct RotationWriter<'a> {
-    clip: &'a Clip,
-    joint: JointId,
-    channels: JointChannels,
-    /// Axes of the three rotation channels, in file order.
-    axes: [usize; 3],
-    /// Up axis to undo: the file's for a root, none below.
-    up: UpAxis,
-    digits: Digits,
-    /// Rotation channels of the frame written last.
-    last_degrees: Option<[f64; 3]>,
+/// A joint's local rotations as its channels.
+struct Angles {
+    columns: [usize; 3],
+    /// Degrees at each edited frame; none where the source's characters stay.
+    degrees: Vec<Option<[f64; 3]>>,
+    decimals: usize,
 }
 
-impl<'a> RotationWriter<'a> {
-    fn new(bvh: &Bvh, clip: &'a Clip, id: JointId, digits: Digits) -> Self {
+impl Angles {
+    fn new(
+        bvh: &Bvh,
+        clip: &Clip,
+        id: JointId,
+        digits: Digits,
+        sources: &[Source],
+        rotation: impl Fn(usize) -> DQuat,
+    ) -> Self {
         assert!(clip.turns_freely(id.idx()), "only a joint with a channel about each axis is turned");
         let joint = &bvh.joints()[id.idx()];
-        let channels = JointChannels::new(&joint.channels, joint.first_channel);
-        let axes = std::array::from_fn(|i| channels.rotations[i].0);
-        let up = if joint.parent.is_none() { clip.facts.up.value } else { UpAxis::Y };
-        Self { clip, joint: id, channels, axes, up, digits, last_degrees: None }
+        let channels = JointChannels::new(&joint.channels, joint.first_channel).rotations;
+        let (axes, columns) = (std::array::from_fn(|i| channels[i].0), std::array::from_fn(|i| channels[i].1));
+        let to_file = file_up(clip, id).world_rotation().conjugate();
+        let decimals = digits.rotation_decimals;
+        let is_kept = |(frame, source): (usize, &Source)| {
+            let turned = angle_between(clip.rotations(source.frame)[id.idx()], rotation(frame));
+            turned.to_degrees() <= half_a_digit(decimals)
+                && columns.iter().all(|&column| source.row[column].is_finite())
+        };
+        let kept: Vec<bool> = sources.iter().enumerate().map(is_kept).collect();
+        let own = |frame: usize| {
+            columns.map(|column| Some(sources[frame].row[column]).filter(|d| d.is_finite()).unwrap_or(0.0))
+        };
+        let mut degrees: Vec<Option<[f64; 3]>> = vec![None; sources.len()];
+        let mut end = 0;
+        for run in kept.chunk_by(|a, b| a == b) {
+            let start = end;
+            end += run.len();
+            if run[0] {
+                continue;
+            }
+            // The source's angles are met at this run's end: so they are, but for their own leaps, if the difference from
+            // them goes on; from whichever end there is one to go on from.
+            let is_met = end < sources.len();
+            let is_backward = is_met && start == 0;
+            for n in 0..run.len() {
+                let frame = if is_backward { end - 1 - n } else { start + n };
+                let beside = if is_backward { Some(frame + 1) } else { frame.checked_sub(1) };
+                let near = beside.map_or_else(
+                    || own(frame),
+                    |beside| {
+                        let at = degrees[beside].unwrap_or_else(|| own(beside));
+                        let goes_on = is_met && sources[frame].frame.abs_diff(sources[beside].frame) == 1;
+                        let (is, was) = (own(frame), own(beside));
+                        std::array::from_fn(|i| if goes_on { at[i] + (is[i] - was[i]) } else { at[i] })
+                    },
+                );
+                degrees[frame] = Some(nearest_degrees(axes, to_file * rotation(frame), near));
+            }
+        }
+        Self { columns, degrees, decimals }
     }
 
     /// Appends the channels of one frame that differ from the source row.
-    fn write(&mut self, row: &[f64], source_frame: usize, rotation: DQuat, changes: &mut Vec<(usize, f64)>) {
-        let source = self.clip.rotations(source_frame)[self.joint.idx()];
-        let columns: [usize; 3] = std::array::from_fn(|i| self.channels.rotations[i].1);
-        let source_degrees = columns.map(|column| row[column]);
-        let unseen = half_a_digit(self.digits.rotation_decimals);
-        let is_source = angle_between(source, rotation).to_degrees() <= unseen;
-        if is_source && source_degrees.iter().all(|d| d.is_finite()) {
-            self.last_degrees = Some(source_degrees);
-            return;
+    fn write(&self, row: &[f64], frame: usize, changes: &mut Vec<(usize, f64)>) {
+        if let Some(degrees) = self.degrees[frame] {
+            append(row, self.columns, degrees, self.decimals, changes);
         }
-        let near = self.last_degrees.unwrap_or(source_degrees).map(|d| if d.is_finite() { d } else { 0.0 });
-        let degrees = nearest_degrees(self.axes, self.up.world_rotation().conjugate() * rotation, near);
-        for ((column, value), source) in columns.into_iter().zip(degrees).zip(source_degrees) {
-            let is_kept = (value - source).abs() <= unseen;
-            if !is_kept {
-                changes.push((column, value));
-            }
-        }
-        self.last_degrees = Some(degrees);
     }
+}
+
+/// Appends the values that differ from those of a row by more than can be written. What is no number there always does.
+fn append(row: &[f64], columns: [usize; 3], values: [f64; 3], decimals: usize, changes: &mut Vec<(usize, f64)>) {
+    let unseen = half_a_digit(decimals);
+    for (column, value) in columns.into_iter().zip(values) {
+        let is_kept = (value - row[column]).abs() <= unseen;
+        if !is_kept {
+            changes.push((column, value));
+        }
+    }
+}
+
+/// Returns the up axis that a joint's channels are in: the file's for a root, none below.
+fn file_up(clip: &Clip, id: JointId) -> UpAxis {
+    if clip.skeleton.joint(id).parent.is_none() { clip.facts.up.value } else { UpAxis::Y }
 }
 
 /// Returns how many decimals keep every joint within [`ACCURACY`].
