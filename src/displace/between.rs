@@ -63,7 +63,7 @@ pub fn interpolated_joints(clip: &Clip, keys: InterpolationKeys, interpolation: 
         let mut rotations: Vec<DQuat> = (0..clip.n_frames()).map(|frame| clip.rotations(frame)[joint.idx()]).collect();
         let ends = [first, last].map(|frame| Key { frame, value: rotations[frame] });
         if interpolation == Interpolation::Quaternion {
-            slerp::visit(&slerp::lifted(&ends), first + 1..last, |frame, rotation| rotations[frame] = rotation);
+            slerp::Turns::new(&ends).visit(1.0, first + 1..last, |frame, rotation| rotations[frame] = rotation);
         } else {
             let order = clip.rotation_order(joint.idx()).expect("it turns freely");
             let from = clip.rotation_degrees(joint.idx())[first];
@@ -84,10 +84,10 @@ pub fn interpolated_joints(clip: &Clip, keys: InterpolationKeys, interpolation: 
 pub fn interpolated_motions(clip: &Clip, keys: InterpolationKeys, motions: &mut [Rigid]) {
     let Some([first, last]) = keys.ends(clip) else { return };
     let ends = [first, last];
-    let rotations = slerp::lifted(&ends.map(|frame| Key { frame, value: motions[frame].rotation }));
+    let rotations = slerp::Turns::new(&ends.map(|frame| Key { frame, value: motions[frame].rotation }));
     let positions = ends.map(|frame| Key { frame, value: motions[frame].translation });
     let positions = spline::values(&positions, Curve::Linear, first + 1..last);
-    slerp::visit(&rotations, first + 1..last, |frame, rotation| {
+    rotations.visit(1.0, first + 1..last, |frame, rotation| {
         motions[frame] = Rigid::new(rotation, positions[frame - first - 1]);
     });
 }

@@ -1,8 +1,8 @@
 //! Rotations between keys: spherical linear interpolation the short way, constant outside.
 //!
-//! A rotation is two quaternions, q and −q. The keys are first *lifted*: each takes the sign that continues the key
-//! before it, the first one the sign with w ≥ 0. From there on interpolation is a curve of quaternions without jumps,
-//! and so is any power of it, also where the rotation passes a half turn.
+//! A rotation is two quaternions, q and −q. Every key is taken the short way, by half a turn at most: so a share of a map
+//! passes its keys at that share of them. Between two keys whose way is no longer that holds throughout, and the share is
+//! one of what is between them; a way that passes a half turn goes from one key's share to the other's.
 
 use std::ops::Range;
 
@@ -16,14 +16,66 @@ const HALF_TURN: f64 = 1e-12;
 /// Frames that are reached by multiplying one step after the other before the next exact value.
 const STRIDE: usize = 32;
 
-/// Returns the keys with the signs that continue one another.
-pub(super) fn lifted(keys: &[Key<DQuat>]) -> Vec<Key<DQuat>> {
-    let mut before = DQuat::IDENTITY;
-    let lift = |key: &Key<DQuat>| {
-        before = if is_long_way(before.conjugate() * key.value) { -key.value } else { key.value };
-        Key { frame: key.frame, value: before }
-    };
-    keys.iter().map(lift).collect()
+/// Keys, each of them the short way.
+pub(super) struct Turns(Vec<Key<DQuat>>);
+
+impl Turns {
+    pub(super) fn new(keys: &[Key<DQuat>]) -> Self {
+        Self(keys.iter().map(|key| Key { value: short_way(key.value), ..*key }).collect())
+    }
+
+    /// Calls `visit` with each frame of the file and a share of the map's value there.
+    ///
+    /// # Panics
+    ///
+    /// When there is no key.
+    pub(super) fn visit(&self, share: f64, frames: Range<usize>, mut visit: impl FnMut(usize, DQuat)) {
+        let Self(keys) = self;
+        let shared = |turn: DQuat| if share == 1.0 { turn } else { power(turn, share) };
+        for (piece, run) in pieces(keys, frames) {
+            match piece {
+                Piece::Constant(key) => {
+                    let value = shared(keys[key].value);
+                    run.for_each(|frame| visit(frame, value));
+                }
+                Piece::Between(key) => {
+                    let ends = [keys[key], keys[key + 1]];
+                    if ends[0].value.dot(ends[1].value) >= -HALF_TURN {
+                        between(ends, run, |frame, value| visit(frame, shared(value)));
+                    } else {
+                        between(ends.map(|key| Key { value: shared(key.value), ..key }), run, &mut visit);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the map's value at a frame of the file.
+    pub(super) fn at(&self, frame: usize) -> DQuat {
+        let mut found = DQuat::IDENTITY;
+        self.visit(1.0, frame..frame + 1, |_, value| found = value);
+        found
+    }
+}
+
+/// Calls `visit` with each of some frames between two keys and the value there.
+fn between([from, to]: [Key<DQuat>; 2], frames: Range<usize>, mut visit: impl FnMut(usize, DQuat)) {
+    // Of two ways that are as long, the one by which no turn gets larger than a half one.
+    let turn = from.value.conjugate() * to.value;
+    let turn = if turn.w < -HALF_TURN { -turn } else { turn };
+    let share = |n_frames: usize| power(turn, n_frames as f64 / (to.frame - from.frame) as f64);
+    let step = share(1);
+    // Strides are counted from the key: what a frame gets does not depend on which others are asked for.
+    let first = from.frame + (frames.start - from.frame) / STRIDE * STRIDE;
+    for start in (first..frames.end).step_by(STRIDE) {
+        let mut value = from.value * share(start - from.frame);
+        for frame in start..frames.end.min(start + STRIDE) {
+            if frame >= frames.start {
+                visit(frame, value);
+            }
+            value *= step;
+        }
+    }
 }
 
 /// Tells whether a quaternion stands for the long way of its rotation; of the two of a half turn one does.
@@ -41,7 +93,7 @@ pub(super) fn short_way(turn: DQuat) -> DQuat {
     if is_long_way(turn) { -turn } else { turn }
 }
 
-/// Returns a power of a lifted rotation: its angle, up to a whole turn, times `exponent`.
+/// Returns a power of a rotation: its angle times `exponent`.
 pub(super) fn power(turn: DQuat, exponent: f64) -> DQuat {
     let sine = turn.xyz().length();
     if sine == 0.0 {
@@ -52,68 +104,9 @@ pub(super) fn power(turn: DQuat, exponent: f64) -> DQuat {
     DQuat::from_xyzw(axis.x, axis.y, axis.z, c)
 }
 
-/// Calls `visit` with each frame of the file and a share of the map's value there.
-///
-/// # Panics
-///
-/// When there is no key.
-pub(super) fn visit_share(
-    lifted: &[Key<DQuat>],
-    share: f64,
-    frames: Range<usize>,
-    mut visit: impl FnMut(usize, DQuat),
-) {
-    for (piece, run) in pieces(lifted, frames) {
-        match piece {
-            Piece::Constant(key) => {
-                let value = power(lifted[key].value, share);
-                run.for_each(|frame| visit(frame, value));
-            }
-            Piece::Between(_) => self::visit(lifted, run, |frame, value| visit(frame, power(value, share))),
-        }
-    }
-}
-
-/// Calls `visit` with each frame of the file and the map's value there.
-///
-/// # Panics
-///
-/// When there is no key.
-pub(super) fn visit(lifted: &[Key<DQuat>], frames: Range<usize>, mut visit: impl FnMut(usize, DQuat)) {
-    for (piece, run) in pieces(lifted, frames) {
-        match piece {
-            Piece::Constant(key) => run.for_each(|frame| visit(frame, lifted[key].value)),
-            Piece::Between(key) => {
-                let [from, to] = [lifted[key], lifted[key + 1]];
-                let turn = from.value.conjugate() * to.value;
-                let share = |n_frames: usize| power(turn, n_frames as f64 / (to.frame - from.frame) as f64);
-                let step = share(1);
-                // Strides are counted from the key: what a frame gets does not depend on which others are asked for.
-                let first = from.frame + (run.start - from.frame) / STRIDE * STRIDE;
-                for start in (first..run.end).step_by(STRIDE) {
-                    let mut value = from.value * share(start - from.frame);
-                    for frame in start..run.end.min(start + STRIDE) {
-                        if frame >= run.start {
-                            visit(frame, value);
-                        }
-                        value *= step;
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Returns the map's value at a frame of the file.
-pub(super) fn at(lifted: &[Key<DQuat>], frame: usize) -> DQuat {
-    let mut found = DQuat::IDENTITY;
-    visit(lifted, frame..frame + 1, |_, value| found = value);
-    found
-}
-
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{PI, TAU};
+    use std::f64::consts::PI;
 
     use proptest::prelude::*;
 
@@ -123,9 +116,13 @@ mod tests {
     use crate::math::rotation_vector;
 
     fn values(keys: &[(usize, DQuat)], frames: Range<usize>) -> Vec<DQuat> {
+        shares(keys, 1.0, frames)
+    }
+
+    fn shares(keys: &[(usize, DQuat)], share: f64, frames: Range<usize>) -> Vec<DQuat> {
         let keys: Vec<_> = keys.iter().map(|&(frame, value)| Key { frame, value }).collect();
         let mut out = Vec::new();
-        visit(&lifted(&keys), frames, |_, value| out.push(value));
+        Turns::new(&keys).visit(share, frames, |_, value| out.push(value));
         out
     }
 
@@ -188,15 +185,27 @@ mod tests {
         }
     }
 
+    /// A share of a whole turn's last key was once the whole of nothing, in one frame from half a turn on; one of a half
+    /// turn's way back, too.
     #[test]
-    fn powers_follow_without_a_jump_past_a_half_turn() {
-        // Thirds of a turn, one after the other: the short way each time, a whole turn in all.
-        let keys: Vec<_> = (0..4).map(|i| (i * 50, DQuat::from_rotation_y(i as f64 * TAU / 3.2))).collect();
-        let all = values(&keys, 0..151);
-        for weight in [0.25, 0.5, 1.0] {
-            for pair in all.windows(2) {
-                let step = off(power(pair[0], weight), power(pair[1], weight));
-                assert!((step - weight * TAU / 160.0).abs() < 1e-12);
+    fn a_share_passes_its_keys_and_leaps_nowhere() {
+        let about = |axis: DVec3, degrees: f64| DQuat::from_axis_angle(axis, degrees.to_radians());
+        let around = [0.0, 120.0, 240.0, 0.0].map(|degrees| about(DVec3::Y, degrees));
+        let back = [0.0, 180.0, 0.0, -180.0].map(|degrees| about(DVec3::NEG_X, degrees));
+        let nearly = [0.0, 180.0 - 1e-11, 1e-11, 179.0].map(|degrees| about(DVec3::Z, degrees));
+        let mixed = [about(DVec3::X, 170.0), about(DVec3::Y, 175.0), about(DVec3::Z, -170.0), about(DVec3::X, -170.0)];
+        for turns in [around, back, nearly, mixed] {
+            let keys: Vec<_> = (0..4).map(|i| (50 * i + 5, turns[i])).collect();
+            for weight in [0.25, 0.5, 0.7, 0.999] {
+                let all = shares(&keys, weight, 0..170);
+                for &(frame, turn) in &keys {
+                    let off = off(all[frame], power(short_way(turn), weight));
+                    assert!(off < 1e-9, "{turns:?}: {weight} at {frame} off by {off}");
+                }
+                for (frame, pair) in all.windows(2).enumerate() {
+                    let step = off(pair[0], pair[1]);
+                    assert!(step < 0.3, "{turns:?}: {weight}, {step} from {frame} on");
+                }
             }
         }
         assert_eq!(power(DQuat::IDENTITY, 0.3), DQuat::IDENTITY);

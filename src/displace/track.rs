@@ -75,7 +75,7 @@ impl<'a> Track<'a> {
         if keys.is_empty() {
             return DQuat::IDENTITY;
         }
-        let Some(curve) = interpolation.curve() else { return slerp::at(&slerp::lifted(keys), file_frame) };
+        let Some(curve) = interpolation.curve() else { return slerp::Turns::new(keys).at(file_frame) };
         let offset = spline::values(&self.offsets(keys), curve, file_frame..file_frame + 1)[0];
         self.turn_of_offset(frame, offset)
     }
@@ -114,12 +114,7 @@ impl<'a> Track<'a> {
                 *rotation *= turn;
             }
         };
-        let lifted = slerp::lifted(keys);
-        if weight == 1.0 {
-            slerp::visit(&lifted, first..end, multiply);
-        } else {
-            slerp::visit_share(&lifted, weight, first..end, multiply);
-        }
+        slerp::Turns::new(keys).visit(weight, first..end, multiply);
         self.degrees = None;
     }
 
