@@ -159,8 +159,9 @@ impl<'a> Stack<'a> {
                 let name = &layer.name;
                 warnings.push(format!("{name} has keys from file frame {frame} on; the clip ends at {end}"));
             }
+            let find = |name: &str| find_joint(&self.clip.skeleton, name);
             for name in layer.rotation.keys() {
-                let problem = match find_joint(&self.clip.skeleton, name) {
+                let problem = match find(name) {
                     None => format!("there is no joint {name}"),
                     Some(joint) if !self.clip.turns_freely(joint.idx()) => {
                         format!("{name} lacks a rotation channel about each axis")
@@ -169,7 +170,10 @@ impl<'a> Stack<'a> {
                         format!("the carrier {name} cannot be placed anew")
                     }
                     Some(joint) if !can_turn(self.clip, joint) => format!("the carrier hangs below {name}"),
-                    Some(_) => continue,
+                    Some(joint) => match layer.rotation.keys().find(|other| find(other) == Some(joint)) {
+                        Some(first) if first != name => format!("{name} is {first} once more"),
+                        _ => continue,
+                    },
                 };
                 warnings.push(format!("layer {}: {problem}; its keys are kept and not used", layer.name));
             }
@@ -238,8 +242,11 @@ impl<'a> Stack<'a> {
         for (_, layer) in self.in_order() {
             for (name, keys) in &layer.rotation {
                 let joint = find_joint(&self.clip.skeleton, name).filter(|&joint| can_turn(self.clip, joint));
-                if let Some(joint) = joint {
-                    maps.entry(joint).or_default().push((layer, keys));
+                let Some(joint) = joint else { continue };
+                let of_joint: &mut Vec<Map> = maps.entry(joint).or_default();
+                // A joint that a layer calls by two names has the map of the first.
+                if !of_joint.last().is_some_and(|(last, _)| std::ptr::eq(*last, layer)) {
+                    of_joint.push((layer, keys));
                 }
             }
         }
@@ -544,6 +551,18 @@ mod tests {
             assert!(warnings.iter().any(|w| w.starts_with("layer odd: ") && w.contains(word)), "{warnings:?}");
         }
         assert!(stack.displaced().turned.is_empty() && !can_turn(&clip, STIFF));
+    }
+
+    #[test]
+    fn a_joint_called_by_two_names_turns_once() {
+        let clip = Sample::default().clip();
+        let own = name(&clip, FREE[2]);
+        let once = layer(&clip, FREE[2], Interpolation::Quaternion, &[(5, turn([0.3, 0.0, 0.1]))]);
+        let mut twice = once.clone();
+        twice.set_rotation(&format!("{own}#1"), 5, turn([0.4, 0.0, 0.0]));
+        assert_eq!(displaced(&clip, std::slice::from_ref(&twice)), displaced(&clip, &[once]));
+        let warnings = Stack { clip: &clip, base: &[], layers: &[twice] }.warnings();
+        assert_eq!(warnings, [format!("layer test: {own}#1 is {own} once more; its keys are kept and not used")]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::{
     text,
 };
 
-/// Values that differ by no more than this share of the largest are one.
+/// Values that differ by no more than this share of the largest of a chart are one.
 const FLAT: f64 = 1e-9;
 
 /// One value for each frame.
@@ -44,7 +44,9 @@ impl Widget for &Chart<'_> {
         }
         let n = self.series.len() as u16;
         let axis = u16::from(area.height > n);
-        let labels: Vec<Labels> = self.series.iter().map(|series| Labels::new(series, self.playhead)).collect();
+        let values = self.series.iter().flat_map(|series| series.values);
+        let size = values.map(|v| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+        let labels: Vec<Labels> = self.series.iter().map(|series| Labels::new(series, self.playhead, size)).collect();
         let widest = labels.iter().map(Labels::width).max().unwrap_or(0).max(text::width(self.unit));
         let gutter = (widest as u16 + 1).min(area.width / 2);
         let strips = area.height - axis;
@@ -141,12 +143,14 @@ struct Labels<'a> {
 }
 
 impl<'a> Labels<'a> {
-    fn new(series: &Series<'a>, playhead: usize) -> Self {
+    /// `size` is that of the largest value of all series of a chart.
+    fn new(series: &Series<'a>, playhead: usize, size: f64) -> Self {
         let finite = || series.values.iter().copied().filter(|v| v.is_finite());
         let (min, max) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
         // What is constant but for rounding is.
-        let is_flat = max - min <= FLAT * max.abs().max(min.abs());
+        let is_flat = max - min <= FLAT * size;
         let write = |v: f64| {
+            let v = if v.abs() <= FLAT * size { 0.0 } else { v };
             if v.is_finite() { text::number(v, (max - min).max(max.abs() * 1e-3) / 100.0) } else { "–".to_owned() }
         };
         // A constant series runs through the middle; the room around it only has to be positive.
@@ -230,6 +234,14 @@ mod tests {
             screen(40, 7, |area, buf| (&chart(&series, 50)).render(area, buf))
         };
         assert_eq!(drawn(&noisy), drawn(&[-4.98027; 200]));
+
+        // Beside a value that turns by ten degrees, what turns by 1e-15 stands still.
+        let noisy: Vec<f64> = (0..200).map(|i| f64::from(i % 3) * 1e-15).collect();
+        let drawn = |values: &[f64]| {
+            let series = [Series { name: "x", values }, Series { name: "z", values: &[10.0; 200] }];
+            screen(40, 7, |area, buf| (&chart(&series, 50)).render(area, buf))
+        };
+        assert_eq!(drawn(&noisy), drawn(&[0.0; 200]));
     }
 
     #[test]
