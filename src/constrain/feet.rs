@@ -10,7 +10,7 @@ use super::{
     give::Passing,
     passage::Passage,
     prepared::{PreparedLeg, PreparedPlant},
-    slide::{Contact, Slide},
+    slide::Slide,
 };
 use crate::{
     contact::{GroundSlope, PlantMode, ground_share},
@@ -240,7 +240,7 @@ impl Motion {
         }
         let step = |from: usize, to: usize| {
             let (was, is) = (&leg.feet[from], &leg.feet[to]);
-            let way = Contact::of(was, is).way(was, is) - (plant.slid(to) - plant.slid(from));
+            let way = leg.contacts[to].way(was, is) - (plant.slid(to) - plant.slid(from));
             (rotation * way - self.upright * way).with_y(0.0)
         };
         Slide::new(&plant.plant, leg.feet.len(), frame_time_secs, step)

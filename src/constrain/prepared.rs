@@ -61,6 +61,9 @@ pub(super) struct PreparedLeg {
     pub(super) frames: Arc<Vec<LegFrame>>,
     /// Where its foot is where layers do not move but turn the carrier, as many frames.
     pub(super) feet: Vec<FootAt>,
+    /// What it stands on in the step to each frame, as the clip has it without layers: where a step of ankle and toe is
+    /// alike, a pose that is dragged would have it jump from one to the other.
+    pub(super) contacts: Arc<Vec<Contact>>,
     pub(super) plants: Vec<PreparedPlant>,
 }
 
@@ -156,8 +159,12 @@ impl Prepared {
         let held: Vec<&FootPlants> = feet.iter().filter(|foot| can_be_held(clip, foot)).collect();
         let to_origin = listed(n_frames, |frames| frames.map(|frame| turned(posed, own_carrier, frame).inverse()));
         let mut legs = each(&held, n_frames, |_, foot| {
-            let lent = earlier.and_then(|earlier| earlier.shape_of(&foot.leg, posed));
-            PreparedLeg::new(foot, lent.unwrap_or_else(|| Arc::new(LegShape::of(posed, &foot.leg))), posed, own_carrier)
+            let known = earlier.filter(|earlier| Arc::ptr_eq(&earlier.posed.clip, &posed.clip));
+            let shape = known.and_then(|known| known.shape_of(&foot.leg, posed));
+            let shape = shape.unwrap_or_else(|| Arc::new(LegShape::of(posed, &foot.leg)));
+            let contacts = known.and_then(|known| Some(Arc::clone(&known.leg(&foot.leg)?.contacts)));
+            let contacts = contacts.unwrap_or_else(|| Arc::new(contacts_of(posed, &foot.leg, &shape)));
+            PreparedLeg::new(foot, shape, contacts, posed, own_carrier)
         });
         legs.retain(|leg| !leg.plants.is_empty() && leg.shape.frames.iter().all(|f| f.length > SHORTEST_LEG * height));
         let feet: Vec<DVec3> = legs.iter().flat_map(|leg| &leg.plants).map(|plant| plant.foot).collect();
@@ -166,12 +173,13 @@ impl Prepared {
         Self { posed: Arc::clone(posed), n_frames, frame_time_secs, height, to_origin, legs, slope }
     }
 
+    fn leg(&self, leg: &Leg) -> Option<&PreparedLeg> {
+        self.legs.iter().find(|known| known.leg == *leg)
+    }
+
     /// Returns a leg's shape if another edit of the clip bends the leg as this one does.
     fn shape_of(&self, leg: &Leg, posed: &EditedClip) -> Option<Arc<LegShape>> {
-        if !Arc::ptr_eq(&self.posed.clip, &posed.clip) {
-            return None;
-        }
-        let known = self.legs.iter().find(|known| known.leg == *leg)?;
+        let known = self.leg(leg)?;
         let joints = joints_of(&posed.clip.skeleton, leg, posed.clip.facts.carrier.value);
         let is_same = |&joint: &JointId| self.posed.turned(joint) == posed.turned(joint);
         joints.iter().all(is_same).then(|| Arc::clone(&known.shape))
@@ -211,7 +219,13 @@ impl Prepared {
 }
 
 impl PreparedLeg {
-    fn new(foot: &FootPlants, shape: Arc<LegShape>, posed: &EditedClip, own_carrier: &[Rigid]) -> Self {
+    fn new(
+        foot: &FootPlants,
+        shape: Arc<LegShape>,
+        contacts: Arc<Vec<Contact>>,
+        posed: &EditedClip,
+        own_carrier: &[Rigid],
+    ) -> Self {
         let clip = &*posed.clip;
         let n_frames = shape.frames.len();
         let stands = |(f, foot): (usize, &FootAt)| foot.moved(&turned(posed, own_carrier, f));
@@ -232,9 +246,9 @@ impl PreparedLeg {
         let plants = (foot.plants.iter())
             .filter(|plant| plant.first < n_frames)
             .map(|&plant| Plant { last: plant.last.min(n_frames - 1), ..plant })
-            .map(|plant| PreparedPlant::new(plant, &feet, clip.frame_time_secs, &own_feet))
+            .map(|plant| PreparedPlant::new(plant, &feet, &contacts, clip.frame_time_secs, &own_feet))
             .collect();
-        Self { leg: foot.leg, shape, frames, feet, plants }
+        Self { leg: foot.leg, shape, frames, feet, contacts, plants }
     }
 
     /// Tells whether the foot slides in its plants as it did.
@@ -284,6 +298,19 @@ impl LegFrame {
         let reach = reach.min(self.reach.max(LONGEST * self.length));
         Self { reach, bend: bend(reach, self.length), ..*self }
     }
+}
+
+/// Returns what a leg stands on in the step to each frame of its clip without layers; `shape` is that of the leg as they
+/// have it.
+fn contacts_of(posed: &EditedClip, leg: &Leg, shape: &LegShape) -> Vec<Contact> {
+    let plain = EditedClip::unedited(Arc::clone(&posed.clip));
+    let turned = joints_of(&posed.clip.skeleton, leg, posed.clip.facts.carrier.value);
+    let is_plain = turned.iter().all(|&joint| posed.turned(joint).is_none());
+    let own = if is_plain { None } else { Some(LegShape::of(&plain, leg)) };
+    let feet = own.as_ref().map_or(&shape.feet, |own| &own.feet).iter().enumerate();
+    let feet: Vec<FootAt> = feet.map(|(f, foot)| foot.moved(&plain.carrier(f))).collect();
+    let steps = feet.windows(2).map(|step| Contact::of(&step[0], &step[1]));
+    std::iter::once(Contact::Ankle).chain(steps).collect()
 }
 
 /// Returns where the carrier of a frame would be if layers did not move but turn it.
@@ -416,23 +443,17 @@ impl FootAt {
 
 impl PreparedPlant {
     /// `own_feet` is where the carrier has the foot that layers do not turn; empty if they do not.
-    fn new(plant: Plant, feet: &[FootAt], frame_time_secs: f64, own_feet: &[FootAt]) -> Self {
+    fn new(plant: Plant, feet: &[FootAt], contacts: &[Contact], frame_time_secs: f64, own_feet: &[FootAt]) -> Self {
         let stands = &feet[plant.first..=plant.last];
         let sum: DVec3 = stands.iter().map(FootAt::middle).sum();
         let along: DVec3 = stands.iter().map(|at| at.toe - at.ankle.translation).sum();
+        let own = |from: usize, to: usize| contacts[to].step(&feet[from], &feet[to]);
         let slide = match plant.mode {
-            PlantMode::Clean => {
-                let own = |from: usize, to: usize| Contact::of(&feet[from], &feet[to]).step(&feet[from], &feet[to]);
-                Slide::new(&plant, feet.len(), frame_time_secs, own)
-            }
+            PlantMode::Clean => Slide::new(&plant, feet.len(), frame_time_secs, own),
             PlantMode::Hold if !own_feet.is_empty() => {
                 // What the carrier that is not turned makes of the same step is the foot's own slide.
-                let added = |from: usize, to: usize| {
-                    let (was, is) = (&own_feet[from], &own_feet[to]);
-                    let of = |contact: Contact| contact.step(&feet[from], &feet[to]) - contact.step(was, is);
-                    of(Contact::Ankle).lerp(of(Contact::Toe), Contact::toe_share(was, is))
-                };
-                Slide::new(&plant, feet.len(), frame_time_secs, added)
+                let kept = |from: usize, to: usize| contacts[to].step(&own_feet[from], &own_feet[to]);
+                Slide::new(&plant, feet.len(), frame_time_secs, |from, to| own(from, to) - kept(from, to))
             }
             PlantMode::Hold | PlantMode::Slide => Slide::default(),
         };

@@ -8,10 +8,7 @@ use crate::{contact::Plant, math::smootherstep};
 /// Time before and after a clean plant over which the foot comes to rest and sets off, seconds.
 const REST_SECS: f64 = 0.1;
 
-/// Steps of ankle and toe are alike where their lengths differ by less than about one part in this many.
-const ALIKE: f64 = 12.0;
-
-/// How far the contact point, ankle or toe, whichever moves less in each step, has slid: world, horizontal, 0 in the
+/// How far the contact point, ankle or toe, whichever moves less in each step of the clip, has slid: world, horizontal, 0 in the
 /// mean over the plant.
 ///
 /// It goes on for a moment before and after the plant, ever less of it, so that the foot comes to rest and sets off
@@ -59,7 +56,7 @@ impl Slide {
 }
 
 /// The point a foot stands on in a step: ankle or toe, whichever moves less.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Contact {
     Ankle,
     Toe,
@@ -70,13 +67,6 @@ impl Contact {
     pub(super) fn of(from: &FootAt, to: &FootAt) -> Self {
         let moves = |contact: Self| contact.step(from, to).length_squared();
         if moves(Self::Toe) < moves(Self::Ankle) { Self::Toe } else { Self::Ankle }
-    }
-
-    /// Returns how far a step is the toe's, from 0 to 1: where ankle and toe move alike, a little of both, so that nothing
-    /// jumps while a pose is dragged.
-    pub(super) fn toe_share(from: &FootAt, to: &FootAt) -> f64 {
-        let [ankle, toe] = [Self::Ankle, Self::Toe].map(|contact| contact.step(from, to).length_squared());
-        if ankle + toe > 0.0 { smootherstep(0.5 + ALIKE * (ankle - toe) / (ankle + toe)) } else { 0.5 }
     }
 
     /// Returns its horizontal step.
@@ -90,24 +80,5 @@ impl Contact {
             Self::Ankle => to.ankle.translation - from.ankle.translation,
             Self::Toe => to.toe - from.toe,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::Rigid;
-    use glam::DQuat;
-
-    #[test]
-    fn a_step_goes_from_ankle_to_toe_without_a_jump() {
-        let at = |ankle: f64, toe: f64| FootAt {
-            ankle: Rigid::new(DQuat::IDENTITY, DVec3::X * ankle),
-            toe: DVec3::new(toe, 0.0, 1.0),
-        };
-        let share = |ankle: f64, toe: f64| Contact::toe_share(&at(0.0, 0.0), &at(ankle, toe));
-        assert_eq!((share(1.0, 0.5), share(0.5, 1.0), share(0.0, 0.0)), (1.0, 0.0, 0.5));
-        let shares: Vec<f64> = (0..=1000).map(|n| share(1.0, 0.5 + 1e-3 * f64::from(n))).collect();
-        assert!(shares.is_sorted_by(|a, b| a >= b) && shares.windows(2).all(|w| w[0] - w[1] < 3e-2));
     }
 }

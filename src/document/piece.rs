@@ -16,7 +16,7 @@ use super::{
     solve::Extent,
 };
 use crate::{
-    constrain::{Job, hold, knot_frames},
+    constrain::{Job, Prepared, hold, knot_frames},
     contact::{FootPlants, Plant},
     displace::{Displaced, Stack},
     math::Rigid,
@@ -35,8 +35,9 @@ pub(super) const DRAFTS: usize = 5;
 /// Corrections of what holding does to a foot or the carrier, on a piece, at most.
 pub(super) const CORRECTIONS: usize = 12;
 
-/// Time on either side of the frame, seconds: by then the carrier's offset has forgotten all but a few thousandths.
-const AROUND_SECS: f64 = 1.5;
+/// Time on either side of the frame, seconds. By the first the carrier's offset has mostly forgotten all but a few
+/// thousandths; where somebody stands long it has not, and the clip does not do what the piece did.
+pub(super) const AROUND_SECS: [f64; 2] = [1.5, 4.5];
 /// Feet that stand this near to the frame, or next before or after, stand in the piece as long as in the clip, seconds.
 const NEAR_SECS: f64 = 0.5;
 /// Where a piece is shown within the clip, one goes over into the other in this time, seconds.
@@ -86,6 +87,8 @@ pub(super) struct Piece<'a> {
     clip: Arc<Clip>,
     residuals: Residuals,
     plants: Vec<FootPlants>,
+    /// The piece without layers, ready to be held: it lends what they do not change.
+    plain: Prepared,
 }
 
 /// What is seen of a piece.
@@ -101,8 +104,8 @@ pub(super) struct Seen {
 }
 
 impl<'a> Piece<'a> {
-    /// Cuts a piece out of a clip that walks with its feet held, around an edited frame.
-    pub(super) fn around(solved: &'a Solved, edited_frame: usize) -> Self {
+    /// Cuts a piece out of a clip that walks with its feet held, so many seconds on either side of an edited frame.
+    pub(super) fn around(solved: &'a Solved, edited_frame: usize, secs: f64) -> Self {
         // A cycle that is not joined to the one before begins anew, and so does holding.
         let restarts: &[usize] = if solved.walked.repeat.is_some() { &[] } else { &solved.timing.seams };
         let n_begun = restarts.partition_point(|&restart| restart <= edited_frame);
@@ -115,7 +118,7 @@ impl<'a> Piece<'a> {
         let n_frames = walked.clip.n_frames();
         let n_around = |secs: f64| (secs / walked.clip.frame_time_secs).ceil() as usize;
         let around = |secs: f64| frame.saturating_sub(n_around(secs))..(frame + n_around(secs) + 1).min(n_frames);
-        let (near, around) = (around(NEAR_SECS), around(AROUND_SECS));
+        let (near, around) = (around(NEAR_SECS), around(secs));
         // A foot in swing comes from the plant before and goes to the one after.
         let moves_foot = |foot: &FootPlants| {
             let begin = foot.plants.partition_point(|plant| plant.last < near.start).saturating_sub(1);
@@ -143,17 +146,26 @@ impl<'a> Piece<'a> {
         let own = prepared.lifts(&path, &original[of_walk.clone()]);
         let lifts = in_clip[of_walk.clone()].iter().zip(own).map(|(in_clip, own)| in_clip - own).collect();
         let residuals = &solved.posed.residuals;
+        let clip = Arc::new(Clip::rearranged(&cut));
+        let plants: Vec<FootPlants> = walked.plants.iter().map(|foot| plants_in(foot, &of_walk)).collect();
+        let unedited = Arc::new(EditedClip::unedited(Arc::clone(&clip)));
         Self {
             solved,
             frame: frame - of_walk.start,
             begin,
-            clip: Arc::new(Clip::rearranged(&cut)),
+            plain: feet::prepared(&unedited, &[], &plants, solved.edits.plants.clean, None),
+            clip,
             residuals: Residuals { frame: residuals.frame, motions: residuals.motions[of_walk.clone()].to_vec() },
-            plants: walked.plants.iter().map(|foot| plants_in(foot, &of_walk)).collect(),
+            plants,
             path,
             lifts,
             of_walk,
         }
+    }
+
+    /// Tells whether it is all of what walks.
+    pub(super) fn is_whole(&self) -> bool {
+        self.of_walk == (0..self.solved.walked.clip.n_frames())
     }
 
     /// Returns what is seen with these edits, which differ from those that are solved for in their layers alone.
@@ -176,8 +188,9 @@ impl<'a> Piece<'a> {
             }
             carrier
         };
-        let prepared = feet::prepared(&legs, &own(original), &self.plants, self.solved.edits.plants.clean, None)
-            .on_ground(self.solved.posed.prepared.ground());
+        let prepared =
+            feet::prepared(&legs, &own(original), &self.plants, self.solved.edits.plants.clean, Some(&self.plain))
+                .on_ground(self.solved.posed.prepared.ground());
         let carrier = lifted((0..path.len()).map(carried).collect());
         let ground = self.solved.edits.plants.ground;
         let held = hold(&prepared, &Job { carrier: &carrier, own: &lifted(own(path)), path, original, ground });
@@ -336,7 +349,7 @@ mod tests {
             let height = before.clip.facts.height.value;
             let n = before.edited.n_frames();
             for frame in [0, n / 5, n / 2, 4 * n / 5, n - 1] {
-                let piece = Piece::around(&before, frame);
+                let piece = Piece::around(&before, frame, AROUND_SECS[0]);
                 let [was, is] = [&before, &after].map(|solved| {
                     let mut world = Vec::new();
                     solved.edited.world_rigids(frame, &mut world);

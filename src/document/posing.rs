@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use super::{
     Edits, LayerRefusal, Solved,
     layers::editable,
-    piece::{CORRECTIONS, DRAFTS, Follows, Piece, THERE, THERE_ON_PIECE},
+    piece::{AROUND_SECS, CORRECTIONS, DRAFTS, Follows, Piece, THERE, THERE_ON_PIECE},
     pose_keys::{key_turns, move_carrier, pose},
     probe::Tried,
     reaching::{Holding, Wish},
@@ -102,9 +102,8 @@ pub(super) fn change(
                     key_turns(solved, edits, layer_idx, frame_idx, &turns)?;
                 }
                 // A target that was reached is not reached anew, some other way.
-                Holding::Beside | Holding::OfPoint if wish.is_there(*to) => {}
-                Holding::Beside => return wish.reach_beside(edits, *to).map(Some),
-                Holding::OfPoint => return wish.reach_held(edits, *to).map(Some),
+                _ if wish.is_there(*to) => {}
+                holding => return wish.reach(&holding, edits, *to).map(Some),
             }
         }
         PoseChange::Turn { joint, axis, angle_rad } => {
@@ -116,7 +115,7 @@ pub(super) fn change(
             let turn = ik::turn_about(world, *axis, *angle_rad);
             key_turns(solved, edits, layer_idx, frame_idx, &[JointTurn { joint: *joint, turn }])?;
             if follows.is_nearby() && solved.holding.is_some() && !solved.posed.is_free(*joint) {
-                let piece = Piece::around(solved, frame_idx);
+                let piece = Piece::around(solved, frame_idx, AROUND_SECS[0]);
                 let made = Arc::new(edits.clone());
                 return Ok(Some(piece.shown(&piece.with(&solved.edits), &piece.with(&made), &made)));
             }
@@ -152,7 +151,7 @@ fn carry_on(
     follows: Follows<'_>,
 ) -> Result<Solved, LayerRefusal> {
     let height = solved.clip.facts.height.value;
-    let piece = Piece::around(solved, frame_idx);
+    let piece = Piece::around(solved, frame_idx, AROUND_SECS[0]);
     let on_piece = |edits: Edits| {
         let seen = piece.with(&edits);
         Tried { at: carrier_at(solved, &seen.held), pose: (edits, seen) }

@@ -16,7 +16,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::{
     Edits, LayerRefusal, Solved,
-    piece::{CORRECTIONS, DRAFTS, Follows, Piece, Seen, THERE, THERE_ON_PIECE},
+    piece::{AROUND_SECS, CORRECTIONS, DRAFTS, Follows, Piece, Seen, THERE, THERE_ON_PIECE},
     pose_keys::{key_turns, pose},
     probe::{Probe, Tried},
     solve::draft,
@@ -53,11 +53,15 @@ const NO_LENGTH: f64 = 1e-9;
 /// Holding takes a point no farther than this, body heights: what is farther out of reach is not searched for.
 const HOLDING_HELPS: f64 = 0.3;
 /// A target farther than this from what a straight chain reaches, body heights, is taken to be just as far.
-const MOST_HELP: f64 = 0.06;
+const MOST_HELP: f64 = 0.1;
 /// A press that leaves a point off its target brings it nearer by this at least, body heights, or by this share of what
 /// was missing: the body is not moved about for less.
 const LEAST_GAIN: f64 = 1e-3;
 const LEAST_SHARE: f64 = 0.1;
+/// The clip has a point that does not get to its target where the piece had it if it is this near, body heights.
+const AS_FOUND: f64 = 1e-3;
+/// How often the whole clip is asked again, at most, where there is time.
+const MOST_DRAFTS: usize = 12;
 /// Corrections of what holding the feet does to a hand, on a piece, at most: two do for all but a body that turns over.
 const BODY_CORRECTIONS: usize = 8;
 
@@ -80,6 +84,20 @@ pub(super) enum Holding {
     Beside,
     /// The point hangs on a leg that is held.
     OfPoint,
+}
+
+/// What came of moving a point.
+enum Reached {
+    /// The clip as it is shown for a moment.
+    Shown(Solved),
+    /// Nothing: it was given up.
+    Nothing,
+    /// The clip followed what was found on a piece.
+    Followed {
+        made: Solved,
+        /// And has the point at its target, or where the piece had it.
+        is_as_found: bool,
+    },
 }
 
 /// Edits tried on a piece.
@@ -133,28 +151,55 @@ impl Wish<'_> {
 
     /// Moves the point by joints of which some bear legs that are held; returns what follows.
     ///
+    /// Where the clip does not get there although the piece did, a larger piece is tried.
+    pub(super) fn reach(&self, holding: &Holding, edits: &mut Edits, target: DVec3) -> Result<Solved, LayerRefusal> {
+        let mut nearest = None::<Solved>;
+        for secs in AROUND_SECS {
+            let piece = Piece::around(self.solved, self.frame_idx, secs);
+            let reached = match holding {
+                Holding::OfPoint => self.reach_held(&piece, edits, target)?,
+                Holding::None | Holding::Beside => self.reach_beside(&piece, edits, target)?,
+            };
+            let (made, is_as_found) = match reached {
+                Reached::Shown(shown) => return Ok(shown),
+                Reached::Nothing => return Ok(self.solved.clone()),
+                Reached::Followed { made, is_as_found } => (made, is_as_found),
+            };
+            if nearest.as_ref().is_none_or(|nearest| self.missing(&made, target) < self.missing(nearest, target)) {
+                nearest = Some(made);
+            }
+            if is_as_found || piece.is_whole() {
+                break;
+            }
+        }
+        Ok(self.kept_if_nearer(edits, nearest.expect("a piece is tried at least"), target))
+    }
+
+    /// The same by what a piece finds, where some of the joints bear legs and the point is on none of them.
+    ///
     /// What the piece finds is good for the clip but for a little, which is left to the joints that bear no leg: they
     /// move no foot, so it is exact. Only what they cannot do is done by all once more.
-    pub(super) fn reach_beside(&self, edits: &mut Edits, to: DVec3) -> Result<Solved, LayerRefusal> {
+    fn reach_beside(&self, piece: &Piece, edits: &mut Edits, to: DVec3) -> Result<Reached, LayerRefusal> {
         let near = THERE * self.height();
-        let piece = Piece::around(self.solved, self.frame_idx);
         let mut probe = Probe::new(self.chain.len(), self.height());
-        let mut on_piece = self.on_piece(&piece, edits.clone());
+        let mut on_piece = self.on_piece(piece, edits.clone());
         let mut made = None::<Solved>;
+        let mut place = to;
         for _ in 0..DRAFTS {
             let now = made.as_ref().unwrap_or(self.solved);
             let off = on_piece.at - self.at(&pose(now, self.frame_idx));
             let begin = on_piece;
-            on_piece = self.body_on_piece(&piece, begin.clone(), to + off, &mut probe)?;
+            on_piece = self.body_on_piece(piece, begin.clone(), to + off, &mut probe)?;
             if self.follows.is_nearby() {
-                return Ok(self.shown(&piece, edits, &begin, on_piece, to + off));
+                return Ok(Reached::Shown(self.shown(piece, edits, &begin, on_piece, to + off)));
             }
             if self.follows.is_given_up() {
-                return Ok(self.solved.clone());
+                return Ok(Reached::Nothing);
             }
+            place = on_piece.at - off;
             if probe.knows() {
-                let expected = on_piece.at.distance(to + off);
-                made = Some(self.followed(&piece, on_piece, expected, to, probe));
+                let expected = place.distance(to);
+                made = Some(self.followed(piece, on_piece, expected, to, probe));
                 break;
             }
             let drafted = draft(&Arc::new(on_piece.pose.0.clone()), now);
@@ -172,7 +217,7 @@ impl Wish<'_> {
                 break;
             }
         }
-        Ok(self.kept_if_nearer(edits, made.expect("a draft is made at least once"), to))
+        Ok(self.as_found(made.expect("a draft is made at least once"), place, to))
     }
 
     /// Takes over edits found on a piece, unless they are not worth moving the body; returns what is shown of them.
@@ -191,10 +236,22 @@ impl Wish<'_> {
         is <= THERE * self.height() || was - is >= least
     }
 
+    /// Tells of what followed from an edit that had the point at a place on a piece.
+    fn as_found(&self, made: Solved, place: DVec3, to: DVec3) -> Reached {
+        let near = THERE * self.height();
+        let (missing, is_reached) = (self.missing(&made, to), place.distance(to) < near);
+        let is_as_found = missing < near || (!is_reached && self.missing(&made, place) < AS_FOUND * self.height());
+        Reached::Followed { made, is_as_found: is_as_found || self.follows.is_brief() }
+    }
+
+    /// Returns how far the point is from a target.
+    fn missing(&self, solved: &Solved, target: DVec3) -> f64 {
+        self.at(&pose(solved, self.frame_idx)).distance(target)
+    }
+
     /// Takes over the edits of what was made, unless they are not worth moving the body; returns what follows.
     fn kept_if_nearer(&self, edits: &mut Edits, made: Solved, target: DVec3) -> Solved {
-        let missing = |solved: &Solved| self.at(&pose(solved, self.frame_idx)).distance(target);
-        if !self.is_worth(missing(&made), missing(self.solved)) {
+        if !self.is_worth(self.missing(&made, target), self.missing(self.solved, target)) {
             return draft(&Arc::new(edits.clone()), &made);
         }
         edits.clone_from(&made.edits);
@@ -244,29 +301,29 @@ impl Wish<'_> {
         self.solved.clip.facts.height.value
     }
 
-    /// Moves the point of a leg that is held; returns what follows.
-    pub(super) fn reach_held(&self, edits: &mut Edits, target: DVec3) -> Result<Solved, LayerRefusal> {
+    /// The same, too, where the point is on a leg that is held.
+    fn reach_held(&self, piece: &Piece, edits: &mut Edits, target: DVec3) -> Result<Reached, LayerRefusal> {
         let now = pose(self.solved, self.frame_idx);
         let to = self.within_reach(&now, target);
-        let piece = Piece::around(self.solved, self.frame_idx);
         let mut probe = Probe::new(self.chain.len(), self.height());
-        let begin = self.on_piece(&piece, edits.clone());
-        let aim = to + (begin.at - self.at(&now));
-        let found = self.foot_on_piece(&piece, begin.clone(), aim, &mut probe)?;
+        let begin = self.on_piece(piece, edits.clone());
+        let off = begin.at - self.at(&now);
+        let aim = to + off;
+        let found = self.foot_on_piece(piece, begin.clone(), aim, &mut probe)?;
         if self.follows.is_nearby() {
-            return Ok(self.shown(&piece, edits, &begin, found, aim));
+            return Ok(Reached::Shown(self.shown(piece, edits, &begin, found, aim)));
         }
         if self.follows.is_given_up() {
-            return Ok(self.solved.clone());
+            return Ok(Reached::Nothing);
         }
-        let expected = found.at.distance(aim);
-        let made = self.followed(&piece, found, expected, to, probe);
-        Ok(self.kept_if_nearer(edits, made, target))
+        let place = found.at - off;
+        let made = self.followed(piece, found, place.distance(to), to, probe);
+        Ok(self.as_found(made, place, to))
     }
 
     /// Tells whether the point is where a target is already.
     pub(super) fn is_there(&self, target: DVec3) -> bool {
-        self.at(&pose(self.solved, self.frame_idx)).distance(target) < THERE * self.height()
+        self.missing(self.solved, target) < THERE * self.height()
     }
 
     /// Tells whether all of the chain is where the point is.
@@ -302,7 +359,8 @@ impl Wish<'_> {
             return made.pose;
         }
         probe.look_around(&found, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
-        let corrected = probe.nearest(made, to, enough, DRAFTS, |now, turns| {
+        let most_drafts = if self.follows.is_brief() { DRAFTS } else { MOST_DRAFTS };
+        let corrected = probe.nearest(made, to, enough, most_drafts, |now, turns| {
             let mut edits = (*now.edits).clone();
             self.key(&mut edits, &self.joint_turns(turns)).ok()?;
             Some(in_clip(&edits, now))
