@@ -4,6 +4,7 @@
 //! the single source of names for panels, help, `--set` and project files.
 
 mod change;
+mod cloud;
 mod edits;
 mod entries;
 mod feet;
@@ -21,6 +22,7 @@ mod posing;
 mod probe;
 mod project;
 mod reaching;
+mod search;
 mod solve;
 mod solved;
 mod source;

@@ -4,11 +4,12 @@
 //! it does is corrected after a look at it. What a held leg's own joints do is seen only after its foot has been held, so
 //! a leg is moved where holding takes it from, on the original path, towards the place that holding takes to the target.
 //! That is no way where holding answers: near a leg's full length it moves the carrier, and with it the foot, back by as
-//! much as a turn took it on. Then what each turn does is found out one by one ([`Probe`]).
+//! much as a turn took it on. Then what turns do is found out by trying ([`Search`]).
 //!
 //! All of it is tried on a [`Piece`] of the clip, and the whole clip follows it once. What the piece was off by is known
-//! from the pose that is seen already, so the whole clip seldom has to be asked again. Where the clip is to follow nearby
-//! alone it is not asked at all, and nothing is searched for long.
+//! from the pose that is seen already, so the whole clip seldom has to be asked again; where it does not do what the piece
+//! did, a larger piece is tried. Where the clip is to follow nearby alone it is not asked at all, and nothing is searched for
+//! long.
 
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ use super::{
     piece::{AROUND_SECS, CORRECTIONS, DRAFTS, Follows, Piece, Seen, THERE, THERE_ON_PIECE},
     pose_keys::{key_turns, pose},
     probe::{Probe, Tried},
+    search::Search,
     solve::draft,
 };
 use crate::{
@@ -26,7 +28,6 @@ use crate::{
     math::Rigid,
     motion::Leg,
     skeleton::JointId,
-    sync::side_by_side,
 };
 
 /// A correction that leaves more than this share of what was missing does not take the point on.
@@ -35,19 +36,6 @@ const TAKES_ON: f64 = 0.8;
 const MOST_AHEAD: f64 = 4.0;
 /// A foot that goes on by less than this share of where it is aimed says nothing of how to aim it.
 const LEAST_GOES_ON: f64 = 0.05;
-/// Tries of a search on a piece: in all, about; from where corrections ended; and from a pose that larger turns lead to.
-const SEARCH_TRIES: usize = 1500;
-const FIRST_TRIES: usize = 60;
-const START_TRIES: usize = 90;
-/// Steps of a search whose result is only to be seen for a moment, beside what it takes to find out what joints do.
-const FEW_STEPS: usize = 4;
-/// Poses whose joints are nearer to each other than this, radians, are taken to lead to the same place: of up to two
-/// joints, and of more.
-const APART: [f64; 2] = [0.7, 0.2];
-/// So many poses of more joints are gone on from at most: there is more to be had from where the best of them leads.
-const MOST_STARTS: usize = 4;
-/// Larger turns that are tried of each joint that bears a leg, radians; of several joints the middle ones, or just one.
-const LARGER_TURNS: [f64; 4] = [0.1, 0.25, 0.5, 0.9];
 /// A chain shorter than this share of the body height is none.
 const NO_LENGTH: f64 = 1e-9;
 /// Holding takes a point no farther than this, body heights: what is farther out of reach is not searched for.
@@ -101,7 +89,7 @@ enum Reached {
 }
 
 /// Edits tried on a piece.
-type OnPiece = Tried<(Edits, Seen)>;
+pub(super) type OnPiece = Tried<(Edits, Seen)>;
 
 impl Wish<'_> {
     pub(super) fn holding(&self) -> Holding {
@@ -122,7 +110,7 @@ impl Wish<'_> {
     }
 
     /// Tells whether no leg that is held hangs on a joint.
-    fn is_free(&self, joint: JointId) -> bool {
+    pub(super) fn is_free(&self, joint: JointId) -> bool {
         self.solved.holding.is_none() || self.solved.posed.is_free(joint)
     }
 
@@ -140,12 +128,12 @@ impl Wish<'_> {
     }
 
     /// Returns where the point is in a pose.
-    fn at(&self, world: &[Rigid]) -> DVec3 {
+    pub(super) fn at(&self, world: &[Rigid]) -> DVec3 {
         ik::point_position(&self.solved.clip.skeleton, world, self.point)
     }
 
     /// Keys turns of joints at the frame.
-    fn key(&self, edits: &mut Edits, turns: &[JointTurn]) -> Result<(), LayerRefusal> {
+    pub(super) fn key(&self, edits: &mut Edits, turns: &[JointTurn]) -> Result<(), LayerRefusal> {
         key_turns(self.solved, edits, self.layer_idx, self.frame_idx, turns)
     }
 
@@ -293,11 +281,11 @@ impl Wish<'_> {
     }
 
     /// Returns the joints of the chain that bear no leg that is held.
-    fn free(&self) -> Vec<JointId> {
+    pub(super) fn free(&self) -> Vec<JointId> {
         self.chain.iter().copied().filter(|&joint| self.is_free(joint)).collect()
     }
 
-    fn height(&self) -> f64 {
+    pub(super) fn height(&self) -> f64 {
         self.solved.clip.facts.height.value
     }
 
@@ -413,108 +401,20 @@ impl Wish<'_> {
         Ok(self.searched(piece, [&begin, &best], to, probe))
     }
 
-    /// Searches a piece for turns of the chain that bring the point to a target, or as near as can be.
-    ///
-    /// Only what the joints do that bear a leg has to be found out: the others move no foot, and turn as far as is missing.
-    /// What holding does may bend sharply between one turn and the next, and far turns may do what near ones do not: a
-    /// search that ends short is made again from where larger turns of the pose that was seen bring the point nearest, then
-    /// from where larger turns of what was found do, and so on while that gets it nearer.
+    /// Searches a piece, and finds out what all joints do around what is found.
     fn searched(&self, piece: &Piece, [seen, begin]: [&OnPiece; 2], to: DVec3, probe: &mut Probe) -> OnPiece {
-        let bearing: Vec<JointId> = self.chain.iter().copied().filter(|&joint| !self.is_free(joint)).collect();
-        let near = THERE_ON_PIECE * self.height();
-        let turned = |now: &(Edits, Seen), turns: &[DQuat]| match self.follows.is_given_up() {
-            true => None,
-            false => self.borne_on_piece(piece, now, &bearing, turns, to),
-        };
-        let is_brief = self.follows.is_brief();
-        let mut n_left = if is_brief { 3 * bearing.len() + FEW_STEPS } else { SEARCH_TRIES };
-        let search = |begin: &OnPiece, most_tries: usize| {
-            let mut probe = Probe::new(bearing.len(), self.height());
-            let found = probe.nearest(begin.clone(), to, near, most_tries, turned);
-            (found, probe.n_tried())
-        };
-        if is_brief {
-            return search(begin, n_left).0;
-        }
-        let (mut best, n_tried) = search(begin, FIRST_TRIES);
-        n_left = n_left.saturating_sub(n_tried);
-        let mut from = seen.clone();
-        let mut missing = f64::INFINITY;
-        let turns = larger_turns(bearing.len());
-        while best.at.distance(to) > near && n_left > turns.len() && !self.follows.is_given_up() {
-            let tried = side_by_side(&turns, |turns| turned(&from.pose, turns));
-            n_left = n_left.saturating_sub(turns.len());
-            for starts in self.nearest_apart(tried.into_iter().flatten().collect(), &bearing, to).chunks(2) {
-                if n_left <= 3 * bearing.len() || best.at.distance(to) < near {
-                    break;
-                }
-                for (found, n_tried) in side_by_side(starts, |start| search(start, START_TRIES)) {
-                    n_left = n_left.saturating_sub(n_tried);
-                    if found.at.distance(to) < best.at.distance(to) {
-                        best = found;
-                    }
-                }
-            }
-            if best.at.distance(to) > (1.0 - LEAST_SHARE) * missing {
-                break;
-            }
-            missing = best.at.distance(to);
-            from = best.clone();
-        }
-        if !self.follows.is_given_up() {
+        let best = Search::new(self, piece, to).best(seen, begin);
+        if !self.follows.is_brief() && !self.follows.is_given_up() {
             probe.look_around(&best, |now, turns| self.turned_on_piece(piece, now, &self.joint_turns(turns)).ok());
         }
         best
-    }
-
-    /// Returns poses in the order of how near they have the point to a target, without those that turn joints much as a
-    /// nearer one does.
-    fn nearest_apart(&self, mut tried: Vec<OnPiece>, joints: &[JointId], to: DVec3) -> Vec<OnPiece> {
-        let (apart, most) = if joints.len() > 2 { (APART[1], MOST_STARTS) } else { (APART[0], tried.len()) };
-        tried.sort_by(|a, b| a.at.distance(to).total_cmp(&b.at.distance(to)));
-        let rotation = |of: &OnPiece, joint: &JointId| of.pose.1.held[joint.idx()].rotation;
-        let is_apart = |a: &OnPiece, b: &OnPiece| {
-            joints.iter().any(|joint| rotation(a, joint).angle_between(rotation(b, joint)) > apart)
-        };
-        let mut kept = Vec::<OnPiece>::new();
-        for one in tried {
-            if kept.len() == most {
-                break;
-            }
-            if kept.iter().all(|nearer| is_apart(nearer, &one)) {
-                kept.push(one);
-            }
-        }
-        kept
-    }
-
-    /// Turns the joints of the chain that bear a leg, and then the others, which move no foot, as far as is missing.
-    fn borne_on_piece(
-        &self,
-        piece: &Piece,
-        now: &(Edits, Seen),
-        bearing: &[JointId],
-        turns: &[DQuat],
-        to: DVec3,
-    ) -> Option<OnPiece> {
-        let turns: Vec<_> = bearing.iter().zip(turns).map(|(&joint, &turn)| JointTurn { joint, turn }).collect();
-        let mut tried = self.turned_on_piece(piece, now, &turns).ok()?;
-        let free = self.free();
-        if !free.is_empty() {
-            let (edits, seen) = &mut tried.pose;
-            let turns = self.turns(&free, &seen.held, to);
-            self.key(edits, &turns).ok()?;
-            seen.held = ik::turned_world(&self.solved.clip.skeleton, &seen.held, &turns);
-            tried.at = self.at(&seen.held);
-        }
-        Some(tried)
     }
 
     fn joint_turns(&self, turns: &[DQuat]) -> Vec<JointTurn> {
         self.chain.iter().zip(turns).map(|(&joint, &turn)| JointTurn { joint, turn }).collect()
     }
 
-    fn turned_on_piece(
+    pub(super) fn turned_on_piece(
         &self,
         piece: &Piece,
         (edits, _): &(Edits, Seen),
@@ -529,22 +429,4 @@ impl Wish<'_> {
         let seen = piece.with(&edits);
         Tried { at: self.at(&seen.held), pose: (edits, seen) }
     }
-}
-
-/// Lists larger turns of each joint about its axes and between them, the others still.
-fn larger_turns(n_joints: usize) -> Vec<Vec<DQuat>> {
-    let angles = match n_joints {
-        1 => &LARGER_TURNS[..],
-        2 => &LARGER_TURNS[1..3],
-        _ => &LARGER_TURNS[1..2],
-    };
-    let between = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(y, z)| DVec3::new(1.0, y, z).normalize());
-    let axes: Vec<DVec3> = DVec3::AXES.into_iter().chain(between).flat_map(|axis| [axis, -axis]).collect();
-    let turns = angles.iter().flat_map(|&angle| axes.iter().map(move |&axis| DQuat::from_axis_angle(axis, angle)));
-    let of_joint = |joint: usize| {
-        turns
-            .clone()
-            .map(move |turn| (0..n_joints).map(|of| if of == joint { turn } else { DQuat::IDENTITY }).collect())
-    };
-    (0..n_joints).flat_map(of_joint).collect()
 }
