@@ -301,3 +301,57 @@ fn a_captured_foot_ends_where_a_script_has_it() {
         assert!(drafted.0 < 1e-4 && scripted.0 < 1e-4, "frame {frame}: {} and {} off", drafted.0, scripted.0);
     }
 }
+
+/// Whoever looked where a point is before its target had been searched for was left with what a few steps had found, up to
+/// 0.1 body heights short.
+#[test]
+fn what_is_looked_at_too_soon_is_searched_for_all_the_same() {
+    let Some(file) = captured("cmu_131_01_start_walk_stop") else { return };
+    let clip = Document::new(open(Some(&file)).expect("a clip"));
+    let mut document = clip.clone();
+    set(&mut document, &[], Some("circle"));
+    document.show_drafts();
+    let before = Arc::clone(document.solved());
+    let height = before.clip.facts.height.value;
+    let frame = before.edited.n_frames() - 1;
+    let chain = joints(&before, &["Hips", "LHipJoint", "LeftHip"]);
+    let to = DVec3::new(10.17, 6.8, -42.6);
+    let off = |document: &Document| place(document.solved(), frame, "LeftKnee").distance(to) / height;
+
+    apply(&mut document, reach(frame, joint(&before, "LeftKnee"), chain, to));
+    document.settle();
+    assert!(document.solved().is_whole() && !document.is_settled());
+    assert!(off(&document) > 1e-3, "a few steps are not enough: {}", off(&document));
+    let mut exported = document.clone();
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out.bvh");
+    exported.export(&out, false).expect("can be written");
+    assert!(document.measure() && document.is_settled() && !document.measure());
+    assert!(off(&document) < 1e-4 && document.depth() == (2, 0), "{}", off(&document));
+    assert!(std::fs::read(&out).expect("written") == document.solved().to_bvh(), "files have all of it");
+
+    // What is undone is not searched for.
+    let mut undone = exported;
+    assert!(undone.undo());
+    undone.measure();
+    assert!(undone.edits().layers.is_empty() && undone.depth() == (1, 1));
+}
+
+#[test]
+fn how_much_is_missing_is_told_also_to_whoever_pressed_another_key_meanwhile() {
+    let mut editor = Editor::new(opened(&[], Some("circle")), Vec::new());
+    editor.show_drafts();
+    editor.keys("<tab><tab><tab><tab>gcgsgcgcgr");
+    for _ in 0..3 {
+        editor.keys("c<c-u>0 500 0<enter>");
+        assert!(editor.view().message.as_ref().is_none_or(|m| !m.text.contains("no farther")));
+        editor.keys("]");
+        editor.measure();
+        let message = editor.view().message.as_ref().map_or("", |message| &message.text);
+        assert!(message.contains("reaches no farther"), "{message}");
+        editor.keys("c<c-u>0 500 0<enter>u");
+        editor.measure();
+        let message = editor.view().message.as_ref().map_or("", |message| &message.text);
+        assert!(!message.contains("reaches no farther"), "undone: {message}");
+    }
+}

@@ -71,7 +71,7 @@ pub struct Document {
     solved: Arc<Solved>,
     /// Whether what changes is shown before all of it is measured.
     drafts: bool,
-    /// The change of a pose that feet follow near its frame alone so far.
+    /// The change of a pose that feet follow near its frame alone so far, or whose target was not searched for yet.
     unsettled: Option<Change>,
     /// Raised by whoever cannot wait for the rest of the clip.
     hurry: Hurry,
@@ -122,7 +122,7 @@ impl Document {
     /// Has all of the clip follow the edits and measures it; false when that is done already, or was given up in a hurry.
     pub fn measure(&mut self) -> bool {
         self.settle_as_far(Follows::Everywhere(&self.hurry.clone()));
-        if !self.solved.is_whole() {
+        if !self.is_settled() {
             return false;
         }
         let is_due = !self.solved.is_measured();
@@ -133,8 +133,8 @@ impl Document {
     }
 
     /// Has all of the clip follow a change of a pose; what that puts elsewhere than it was wanted is put there, as part of
-    /// the same step, if that takes no long search. For whoever is about to ask where something is, to go on from there
-    /// with another change.
+    /// the same step, if that takes no long search. For whoever is about to ask where something is, to go on from there.
+    /// Unless that is with another change, what is missing is searched for by the next [`Document::measure`].
     pub fn settle(&mut self) {
         self.settle_as_far(Follows::Briefly);
     }
@@ -145,8 +145,13 @@ impl Document {
         self.hurry.clone()
     }
 
+    /// Tells whether all of the clip follows a change of a pose, and what it wants was searched for.
+    pub fn is_settled(&self) -> bool {
+        self.solved.is_whole() && self.unsettled.is_none()
+    }
+
     fn settle_as_far(&mut self, follows: Follows<'_>) {
-        if self.solved.is_whole() {
+        if self.is_settled() || (self.solved.is_whole() && follows.is_brief()) {
             return;
         }
         let mut settled = draft(self.edits(), &self.solved);
@@ -159,7 +164,9 @@ impl Document {
             self.history.push(edits, true, change.to_string());
             settled = draft;
         }
-        self.unsettled = None;
+        if !follows.is_brief() {
+            self.unsettled = None;
+        }
         self.take(Solved { edits: Arc::clone(self.edits()), ..settled });
     }
 
@@ -212,6 +219,7 @@ impl Document {
         let at_leisure = Hurry::default();
         let follows = if self.drafts { Follows::Nearby } else { Follows::Everywhere(&at_leisure) };
         let change::Next { edits, warnings, draft } = change::next(from, change, follows)?;
+        self.unsettled = None;
         let depth = self.depth();
         match change {
             Change::ResetView => self.history.push_view(edits, change.to_string()),
@@ -241,6 +249,7 @@ impl Document {
     /// Goes back one step; false at the first.
     pub fn undo(&mut self) -> bool {
         self.settle();
+        self.unsettled = None;
         let moved = self.history.undo();
         self.revisit();
         moved
@@ -249,6 +258,7 @@ impl Document {
     /// Goes forward one step; false at the last.
     pub fn redo(&mut self) -> bool {
         self.settle();
+        self.unsettled = None;
         let moved = self.history.redo();
         self.revisit();
         moved

@@ -186,7 +186,7 @@ impl Editor {
         if was_due {
             self.follow_document();
         }
-        if let Some(wanted) = self.wanted.take() {
+        if let Some(wanted) = self.wanted.take().filter(|wanted| wanted.is_last(&self.document)) {
             pose::tell_short(self, wanted);
         }
         was_due
@@ -195,7 +195,6 @@ impl Editor {
     /// Acts on a key.
     pub fn key(&mut self, key: Key) -> Effect {
         self.view.message = None;
-        self.wanted = None;
         // A key may change what is dragged or when; the pointer takes hold anew.
         self.grab = None;
         match self.prompt.take() {

@@ -124,7 +124,8 @@ impl Editor {
             let name = joints::name(clip, handle);
             let name = if grab.point < clip.skeleton.n_joints() { name } else { format!("the end of {name}") };
             let (point, frame_idx) = (grab.point, grab.frame_idx);
-            pose::tell_short(self, pose::Wanted { name, point, frame_idx, to: target });
+            let depth = self.document.depth();
+            pose::tell_short(self, pose::Wanted { name, point, frame_idx, to: target, depth });
         }
     }
 

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     displace::joint_name,
-    document::{Axes, Change, PoseChange, Solved, parameter},
+    document::{Axes, Change, Document, PoseChange, Solved, parameter},
     math::Rigid,
     skeleton::JointId,
 };
@@ -133,7 +133,8 @@ fn move_to(editor: &mut Editor, command: &'static str, to: DVec3) {
     let clip = Arc::clone(&editor.document.solved().clip);
     let point = joint_of(editor.document.solved(), handle).idx();
     change(editor, command, wanted(editor, point, to));
-    tell_short(editor, Wanted { name: joints::name(&clip, handle), point, frame_idx, to });
+    let depth = editor.document.depth();
+    tell_short(editor, Wanted { name: joints::name(&clip, handle), point, frame_idx, to, depth });
 }
 
 /// Where a point was wanted.
@@ -145,17 +146,26 @@ pub(super) struct Wanted {
     pub(super) point: usize,
     pub(super) frame_idx: usize,
     pub(super) to: DVec3,
+    /// How many steps could be undone and redone then.
+    pub(super) depth: (usize, usize),
+}
+
+impl Wanted {
+    /// Tells whether no other step was made since, nor this one undone.
+    pub(super) fn is_last(&self, document: &Document) -> bool {
+        self.depth == document.depth()
+    }
 }
 
 /// Says by how much a point is short of where it was wanted, if it is, as soon as that is known and unless there is
 /// something to warn of.
 pub(super) fn tell_short(editor: &mut Editor, wanted: Wanted) {
     let solved = editor.document.solved();
-    if !solved.is_whole() {
+    if !editor.document.is_settled() {
         editor.wanted = Some(wanted);
         return;
     }
-    let Wanted { name, point, frame_idx, to } = wanted;
+    let Wanted { name, point, frame_idx, to, .. } = wanted;
     let mut points = Vec::new();
     solved.edited.world_points(frame_idx, &mut points);
     let facts = &solved.clip.facts;
