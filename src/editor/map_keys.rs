@@ -128,7 +128,11 @@ pub(super) fn tell_of(editor: &mut Editor, maps: &Selection) {
     let points = layer.map_points(maps);
     let here = points.iter().filter(|point| point.frame == frame).count();
     let here = counted(here, "key");
-    let text = format!("{}: {here} at file frame {frame}, {} in all", layer.name, points.len());
+    let mut text = format!("{}: {here} at file frame {frame}, {} in all", layer.name, points.len());
+    let of_layer = layer.position.len() + layer.rotation.values().map(|keys| keys.len()).sum::<usize>();
+    if of_layer > points.len() {
+        text += &format!(" of what is selected, {of_layer} in the layer");
+    }
     editor.say(Message::note(text));
 }
 

@@ -48,7 +48,11 @@ impl Widget for &ParameterList<'_> {
             return;
         }
         let mut help = text::wrap(self.help, usize::from(area.width));
-        help.truncate(HELP_LINES.min(usize::from(area.height) / 3));
+        let most = HELP_LINES.min(usize::from(area.height) / 3);
+        if help.len() > most {
+            let rest = help.split_off(most.saturating_sub(1)).join(" ");
+            help.extend((most > 0).then(|| text::fit(&rest, usize::from(area.width))));
+        }
         let help_height = if help.is_empty() { 0 } else { help.len() as u16 + 1 };
         let list = Rect { height: area.height - help_height, ..area };
         self.draw_rows(list, buf);
@@ -147,6 +151,12 @@ mod tests {
                 "press               ",
             ]
         );
+    }
+
+    #[test]
+    fn help_that_is_too_long_is_cut_with_an_ellipsis() {
+        let drawn = drawn(&rows(), "Step of one key press, in body heights of the clip", 20, 7);
+        assert_eq!(drawn[5..], ["Step of one key     ", "press, in body heig…"]);
     }
 
     #[test]
