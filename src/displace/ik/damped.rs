@@ -20,8 +20,12 @@ const STEPS: usize = 32;
 /// Corrections after each step.
 const CORRECTIONS: usize = 2;
 
-/// Corrections at the end. Near full reach each one halves the bend that is left over.
+/// Corrections at the end. Near full reach each one halves the bend that is left over, less of a bone that is short.
 const LAST_CORRECTIONS: usize = 32;
+
+/// Corrections at the very most, where those leave more than this share of the chain's length.
+const MOST_CORRECTIONS: usize = 1024;
+const THERE: f64 = 1e-9;
 
 /// A correction turns no joint further than this, radians.
 const LARGEST_TURN: f64 = 0.2;
@@ -52,7 +56,10 @@ pub(super) fn reach(chain: &mut Chain, target: DVec3, hinge: Option<DVec3>) {
 
 /// Takes what is left of the way to a target.
 pub(super) fn settle(chain: &mut Chain, target: DVec3) {
-    for _ in 0..LAST_CORRECTIONS {
+    for n in 0..MOST_CORRECTIONS {
+        if n >= LAST_CORRECTIONS && chain.tip().distance(target) < THERE * chain.length() {
+            break;
+        }
         correct(chain, target);
     }
 }

@@ -320,6 +320,25 @@ mod tests {
         }
     }
 
+    /// It was left with a bend that took too many corrections to go.
+    #[test]
+    fn a_limb_with_a_short_bone_is_stretched_in_full() {
+        let offsets =
+            [[0.0; 3], [0.0; 3], [-0.815_925_8, 0.0, 0.187_309_8], [0.0, 0.0, -0.045_386_2], [0.0, -0.776_132_8, 0.0]];
+        let mut limb = Limb::new(&offsets.map(DVec3::from_array), &[DQuat::IDENTITY; 4]);
+        let turned = |x, y, z, w| DQuat::from_xyzw(x, y, z, w).normalize();
+        let (first, last) =
+            (turned(0.7470786, 0.0, 0.0, 0.6647358), turned(-0.2006917, -0.5384341, 0.4790880, 0.6635407));
+        limb.world[1].rotation = first;
+        for (idx, rotation) in [(2, last), (3, last)] {
+            let above = limb.world[idx - 1];
+            limb.world[idx] = Rigid::new(rotation, above.point(DVec3::from_array(offsets[idx])));
+        }
+        for far in [1.5, 1.6, 1.65, 1.6589, 2.64, 50.0] {
+            limb.check(&ids(&[1, 2, 3]), DVec3::Z * far);
+        }
+    }
+
     #[test]
     fn joints_in_one_place_share_and_do_not_jitter() {
         let offsets = [DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::ZERO, DVec3::X, DVec3::ZERO];
