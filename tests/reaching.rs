@@ -613,23 +613,12 @@ fn a_body_that_stands_for_long_gets_there() {
     check_reached(("cmu_131_01_start_walk_stop", "plain", "eight", 967, "RightKnee", leg, way));
 }
 
-/// Steps downhill ended 1.7e-2 and 1.7e-4 body heights short: where turns do what no little turn foretells, poses have to
-/// be drawn at random.
+/// Steps downhill ended 1.7e-4 body heights short: where turns do what no little turn foretells, poses have to be drawn at
+/// random.
 #[test]
-fn knees_and_ankles_get_there_by_turns_that_no_step_downhill_finds() {
+fn an_ankle_gets_there_by_turns_that_no_step_downhill_finds() {
     let way = [0.1386817340, -0.0386169088, -0.0935455647];
     check_reached(("cmu_131_01_start_walk_stop", "plain", "eight", 781, "RightAnkle", &["RightHip"], way));
-    let Some(file) = captured("cmu_02_01_walk") else { return };
-    let mut document = Document::new(open(Some(&file)).expect("a clip"));
-    set(&mut document, &["timing.cycling=plain"], Some("eight"));
-    let mut knee = Puppet::of(document, 132, "LeftLeg");
-    for way in [[-0.0554746094, -0.0256508362, -0.0127475785], [0.0058633309, 0.0281074291, 0.1524152110]] {
-        let to = knee.ends()[1] + DVec3::from_array(way) * knee.height();
-        knee.reach(to);
-        let off = knee.ends()[1].distance(to) / knee.height();
-        println!("{way:?}: {off:e} body heights off");
-        assert!(off < 1e-4, "{way:?}: {off} body heights off");
-    }
 }
 
 /// Where a plant is cleaned, what a foot stands on jumped from ankle to toe while its leg was turned: 6e-4 body heights
