@@ -30,7 +30,7 @@ use crate::{
 pub(super) const THERE: f64 = 7e-5;
 /// On a piece of the clip, where to be nearer costs next to nothing.
 pub(super) const THERE_ON_PIECE: f64 = 1e-5;
-/// How often the whole clip follows an edit, at most.
+/// How often the whole clip follows an edit, at most, where somebody may wait for it.
 pub(super) const DRAFTS: usize = 5;
 /// Corrections of what holding does to a foot or the carrier, on a piece, at most.
 pub(super) const CORRECTIONS: usize = 12;
